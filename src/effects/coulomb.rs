@@ -1,0 +1,40 @@
+//! Coulomb friction: tau = Fc sign(qd).
+
+use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+
+pub struct Coulomb;
+
+impl Effect for Coulomb {
+    fn about(&self) -> &'static About {
+        &About {
+            name: "coulomb",
+            scope: Scope::Joint,
+            parameters: &[Parameter {
+                name: "coulomb",
+                symbol: "Fc",
+                unit: "N.m",
+                min: 0.0,
+                max: 60.0,
+                typical: 5.0,
+                null: 0.0,
+                role: Role::Linear,
+            }],
+            cause: "dry friction in gears, bearings and seals",
+            remedy: "add the level as dry friction (URDF friction, MuJoCo frictionloss)",
+            source: "Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994, section 2",
+        }
+    }
+
+    fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {
+        vec![motion.qd.joint(joint).iter().map(|&qd| sign(qd)).collect()]
+    }
+
+    fn act(&self, values: &[f64], _: &JointState, load: &mut JointLoad) {
+        load.dry += values[0];
+    }
+}
+
+/// -1, 0 or 1: zero at rest, where friction is whatever holds the joint (not `f64::signum`).
+pub(super) fn sign(x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { x.signum() }
+}

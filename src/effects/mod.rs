@@ -1,0 +1,121 @@
+//! The catalogue of physical effects: one file each, used to inject and to explain.
+//!
+//! Sign convention: an effect's torque is what the drive must supply in addition to rigid-body
+//! inverse dynamics, tau_motor = ID(q, qd, qdd) + sum of effects.
+
+mod catalogue;
+mod coulomb;
+mod stribeck;
+
+pub use catalogue::{CATALOGUE, find};
+
+use crate::robot::Robot;
+use crate::series::JointSeries;
+
+/// What a parameter is; data, so that command line, docs, scenario keys and tests follow from it.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Parameter {
+    /// Key in scenario files and JSON, for example `coulomb`.
+    pub name: &'static str,
+    pub symbol: &'static str,
+    pub unit: &'static str,
+    /// Physical bounds, both attainable.
+    pub min: f64,
+    pub max: f64,
+    /// Of a UR5-class joint.
+    pub typical: f64,
+    /// The value at which the effect vanishes.
+    pub null: f64,
+    pub role: Role,
+}
+
+/// How a parameter enters the torque.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    Linear,
+    Nonlinear,
+}
+
+/// Does every joint have its own parameters or does the arm share one set?
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scope {
+    Joint,
+    Arm,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct About {
+    pub name: &'static str,
+    pub scope: Scope,
+    /// Linear parameters first, in the order of the columns.
+    pub parameters: &'static [Parameter],
+    /// One line each, for people.
+    pub cause: &'static str,
+    pub remedy: &'static str,
+    /// Paper, section, equation.
+    pub source: &'static str,
+}
+
+/// A physical effect: the contract a new file in this folder implements.
+pub trait Effect: Sync {
+    fn about(&self) -> &'static About;
+
+    /// Explain: N.m at `joint` per unit of each linear parameter, one column of
+    /// `motion.samples()` values per linear parameter, for given nonlinear parameters.
+    fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>>;
+
+    /// Inject: what the effect adds to `load` at one joint in one step, for parameter values in
+    /// the order of [`About::parameters`]. Sliding laws only fill in dry level and damping; the
+    /// simulation's constraint solver makes them stick.
+    fn act(&self, _values: &[f64], _state: &JointState, _load: &mut JointLoad) {}
+
+    /// Inject: what changes in the mechanism before the first step (armature, payload).
+    fn build(&self, _values: &[f64], _joint: usize, _mechanism: &mut Mechanism) {}
+}
+
+/// Conditioned motion that an effect is explained with, and the arm it belongs to.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion<'a> {
+    pub robot: &'a Robot,
+    /// rad, rad/s, rad/s^2
+    pub q: &'a JointSeries,
+    pub qd: &'a JointSeries,
+    pub qdd: &'a JointSeries,
+}
+
+impl Motion<'_> {
+    pub fn samples(&self) -> usize {
+        self.q.samples()
+    }
+}
+
+/// A joint at the start of a simulation step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointState {
+    pub time: f64,
+    pub q: f64,
+    pub qd: f64,
+    /// Torque through the gear in the last step without friction, N.m.
+    pub transmitted: f64,
+}
+
+/// What acts on a joint during a simulation step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointLoad {
+    /// Level of dry friction, N.m, >= 0 in sum: opposes motion, holds when standing.
+    pub dry: f64,
+    /// N.m.s/rad, multiplies the velocity of this step.
+    pub damping: f64,
+    /// N.m the drive must overcome, whatever the direction of motion.
+    pub torque: f64,
+}
+
+/// What a simulation is built from; effects change it before the first step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mechanism {
+    pub robot: Robot,
+    /// kg.m2 added to each joint's diagonal (reflected rotor inertia).
+    pub armature: Vec<f64>,
+}

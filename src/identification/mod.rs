@@ -1,0 +1,66 @@
+//! Which parameters make the twin's torque match the recorded one, and how sure that is.
+
+use serde::Serialize;
+
+/// What one method found, all joints.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MethodResult {
+    /// `pso`, `nlse`, ...
+    pub method: String,
+    pub joints: Vec<JointEstimate>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointEstimate {
+    /// From 1 at the base.
+    pub joint: usize,
+    /// Used for the fit, after masking and decimation.
+    pub samples: usize,
+    /// Root mean square residual, N.m (the paper's Eq. 5).
+    pub cost: f64,
+    pub evaluations: usize,
+    pub seconds: f64,
+    /// `converged`, `iterations`, ...
+    pub stopped: String,
+    pub fit: Goodness,
+    pub check: Option<Goodness>,
+    pub parameters: Vec<ParameterEstimate>,
+}
+
+/// How well predicted torque matches measured torque on the samples used.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Goodness {
+    /// 1 - SSE/SST
+    pub r2: f64,
+    /// The paper's Eq. 20, sum (yhat - ybar)^2 / sum (y - ybar)^2: can exceed 1.
+    pub r2_printed: f64,
+    pub mse_nm2: f64,
+}
+
+/// `low`, `high`, `statistic` and `p` are the autocorrelation-robust ones; the other conventions
+/// stand beside them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterEstimate {
+    pub name: String,
+    pub unit: String,
+    pub value: f64,
+    pub low: f64,
+    pub high: f64,
+    pub statistic: f64,
+    pub p: f64,
+    pub asymptotic: Interval,
+    pub paper: Interval,
+    pub bounds: [f64; 2],
+    pub at_bound: bool,
+    /// False where these data do not determine the parameter; then `why_not` says what is missing.
+    pub identifiable: bool,
+    pub why_not: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Interval {
+    pub low: f64,
+    pub high: f64,
+    pub statistic: f64,
+    pub p: f64,
+}

@@ -1,0 +1,25 @@
+//! A simulation-in-the-loop digital twin of a robot arm that says why it is wrong.
+//!
+//! One-way flow, left to right (see ARCHITECTURE.md):
+//!
+//! tables -> `robot`; `robot` + `effects` + `motion` -> `simulation` -> `recording` <- importers;
+//! `recording` -> `signals` -> `identification` (with `statistics`) -> `report`, `viewer`.
+//!
+//! Units are SI throughout (rad, rad/s, N.m, A, s, kg) unless a name says otherwise; joints count
+//! from 0 in code and from 1 in everything a user reads.
+
+pub mod cli;
+pub mod effects;
+pub mod files;
+pub mod identification;
+pub mod motion;
+pub mod recording;
+pub mod report;
+pub mod robot;
+pub mod series;
+pub mod signals;
+pub mod simulation;
+pub mod statistics;
+pub mod twin;
+#[cfg(feature = "viewer")]
+pub mod viewer;

@@ -1,0 +1,5 @@
+//! The `armtwin` program: see `armtwin --help`.
+
+fn main() -> std::process::ExitCode {
+    armtwin::cli::main()
+}

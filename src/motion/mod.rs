@@ -1,0 +1,1 @@
+//! Excitation and validation trajectories within the limits of the arm.

@@ -1,0 +1,5 @@
+//! Tables and files a person or a program reads.
+
+mod table;
+
+pub use table::table;

@@ -1,0 +1,1 @@
+//! Robot + effects + motion -> recording: ground truth from rapier (f64 multibody).

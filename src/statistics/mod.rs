@@ -1,0 +1,1 @@
+//! Covariances, tests and intervals; no I/O, no randomness of its own.

@@ -1,0 +1,1 @@
+//! The twin beside the recording in rerun.
