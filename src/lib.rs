@@ -8,6 +8,11 @@
 //! Units are SI throughout (rad, rad/s, N.m, A, s, kg) unless a name says otherwise; joints count
 //! from 0 in code and from 1 in everything a user reads.
 
+#![cfg_attr(
+    not(test),
+    warn(clippy::unwrap_used, clippy::expect_used, clippy::todo, clippy::dbg_macro)
+)]
+
 pub mod cli;
 pub mod effects;
 pub mod files;

@@ -1,0 +1,85 @@
+//! The rules of ARCHITECTURE.md that a program can check.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// (path, text) of every Rust file below a folder of the repository.
+fn sources(folder: &str) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    let mut open = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)];
+    while let Some(dir) = open.pop() {
+        for entry in fs::read_dir(&dir).expect("a readable source folder") {
+            let path = entry.expect("a readable entry").path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let text = fs::read_to_string(&path).expect("UTF-8 source");
+                found.push((path, text));
+            }
+        }
+    }
+    assert!(!found.is_empty(), "no sources under {folder}");
+    found
+}
+
+/// A line without its comment.
+fn code(line: &str) -> &str {
+    line.split("//").next().unwrap_or_default()
+}
+
+fn assert_never_uses(room: &str, others: &[&str]) {
+    for (path, text) in sources(&format!("src/{room}")) {
+        for other in others {
+            let word = format!("crate::{other}");
+            let used = text.lines().any(|l| code(l).contains(&word));
+            assert!(!used, "{} must not use `{other}`", path.display());
+        }
+    }
+}
+
+#[test]
+fn every_file_says_what_it_is_for() {
+    for (path, text) in ["src", "tests"].into_iter().flat_map(sources) {
+        assert!(text.starts_with("//!"), "{} has no //! head", path.display());
+    }
+}
+
+#[test]
+fn files_stay_small() {
+    for (path, text) in sources("src") {
+        let lines = text.lines().count();
+        assert!(lines <= 500, "{} has {lines} lines: split it by purpose", path.display());
+    }
+}
+
+#[test]
+fn what_makes_the_data_does_not_explain_it() {
+    assert_never_uses("simulation", &["identification", "signals"]);
+    assert_never_uses("identification", &["simulation"]);
+}
+
+#[test]
+fn rooms_only_look_upstream() {
+    assert_never_uses("robot", &["effects", "recording", "signals", "simulation", "twin"]);
+    assert_never_uses("effects", &["recording", "signals", "simulation", "twin"]);
+    assert_never_uses("recording", &["signals", "simulation", "twin", "effects"]);
+    assert_never_uses("statistics", &["recording", "signals", "effects", "identification"]);
+    let core = ["robot", "effects", "recording", "signals", "statistics", "identification", "twin"];
+    for room in core {
+        assert_never_uses(room, &["cli", "viewer", "report"]);
+    }
+}
+
+#[test]
+fn third_party_types_stay_at_their_edge() {
+    for (krate, room) in [("rapier3d_f64", "simulation"), ("rerun", "viewer"), ("clap", "cli")] {
+        let (path_like, import) = (format!("{krate}::"), format!("use {krate}"));
+        for (path, text) in sources("src") {
+            let home = path.components().any(|c| c.as_os_str() == room);
+            let used = text.lines().map(code).any(|l| {
+                l.trim_start().starts_with(&import) || l.contains(&format!(" {path_like}"))
+            });
+            assert!(home || !used, "{} uses {krate} outside {room}/", path.display());
+        }
+    }
+}
