@@ -19,6 +19,7 @@ impl Effect for Coulomb {
                 null: 0.0,
                 role: Role::Linear,
             }],
+            memory: 0,
             cause: "dry friction in gears, bearings and seals",
             remedy: "add the level as dry friction (URDF friction, MuJoCo frictionloss)",
             source: "Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994, section 2",
@@ -29,7 +30,7 @@ impl Effect for Coulomb {
         vec![motion.qd.joint(joint).iter().map(|&qd| sign(qd)).collect()]
     }
 
-    fn act(&self, values: &[f64], _: &JointState, load: &mut JointLoad) {
+    fn act(&self, values: &[f64], _: &JointState, _: &mut [f64], load: &mut JointLoad) {
         load.dry += values[0];
     }
 }

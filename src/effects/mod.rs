@@ -51,6 +51,8 @@ pub struct About {
     pub scope: Scope,
     /// Linear parameters first, in the order of the columns.
     pub parameters: &'static [Parameter],
+    /// How many numbers [`Effect::act`] remembers per joint from step to step.
+    pub memory: usize,
     /// One line each, for people.
     pub cause: &'static str,
     pub remedy: &'static str,
@@ -58,20 +60,42 @@ pub struct About {
     pub source: &'static str,
 }
 
-/// A physical effect: the contract a new file in this folder implements.
+/// A physical effect: the contract a new file in this folder implements, plus one line in
+/// [`CATALOGUE`]. Everything but `about` and `columns` has a default; an effect implements the
+/// hooks where it acts:
+///
+/// * in the mechanism before the first step (inertia, payload, tilt, encoder zero, limits,
+///   elastic or slack transmission): [`build`](Effect::build); what it changes is a field of
+///   [`Mechanism`];
+/// * in every step (friction, ripple, spring): [`act`](Effect::act); what it reads is a field of
+///   [`JointState`], what it remembers is its memory.
+///
+/// `columns` explains the same physics from conditioned motion. An effect that inverse dynamics
+/// cannot see returns columns of zeros. A hook on the measured channels (gain, delay, lag,
+/// quantisation) is to come with the first effect that needs one; it will have a default, too.
 pub trait Effect: Sync {
     fn about(&self) -> &'static About;
 
     /// Explain: N.m at `joint` per unit of each linear parameter, one column of
     /// `motion.samples()` values per linear parameter, for given nonlinear parameters.
+    /// Of an effect on the whole arm every joint has its columns, the parameters are shared.
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>>;
 
     /// Inject: what the effect adds to `load` at one joint in one step, for parameter values in
     /// the order of [`About::parameters`]. Sliding laws only fill in dry level and damping; the
-    /// simulation's constraint solver makes them stick.
-    fn act(&self, _values: &[f64], _state: &JointState, _load: &mut JointLoad) {}
+    /// simulation's constraint solver makes them stick. `memory` holds [`About::memory`] numbers
+    /// of this effect at this joint, zero before the first step, kept from step to step.
+    fn act(
+        &self,
+        _values: &[f64],
+        _state: &JointState,
+        _memory: &mut [f64],
+        _load: &mut JointLoad,
+    ) {
+    }
 
-    /// Inject: what changes in the mechanism before the first step (armature, payload).
+    /// Inject: what changes in the mechanism before the first step. Called once per joint that
+    /// has the effect; for an effect on the whole arm once, with `joint` 0.
     fn build(&self, _values: &[f64], _joint: usize, _mechanism: &mut Mechanism) {}
 }
 
@@ -79,13 +103,28 @@ pub trait Effect: Sync {
 #[derive(Debug, Clone, Copy)]
 pub struct Motion<'a> {
     pub robot: &'a Robot,
+    /// Time between samples, s.
+    pub dt: f64,
     /// rad, rad/s, rad/s^2
     pub q: &'a JointSeries,
     pub qd: &'a JointSeries,
     pub qdd: &'a JointSeries,
+    /// deg C, where known.
+    pub temperature: Option<&'a JointSeries>,
 }
 
-impl Motion<'_> {
+impl<'a> Motion<'a> {
+    /// Motion without temperatures.
+    pub fn new(
+        robot: &'a Robot,
+        dt: f64,
+        q: &'a JointSeries,
+        qd: &'a JointSeries,
+        qdd: &'a JointSeries,
+    ) -> Self {
+        Self { robot, dt, q, qd, qdd, temperature: None }
+    }
+
     pub fn samples(&self) -> usize {
         self.q.samples()
     }
@@ -94,7 +133,9 @@ impl Motion<'_> {
 /// A joint at the start of a simulation step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointState {
+    /// s since the start, and the length of the step.
     pub time: f64,
+    pub dt: f64,
     pub q: f64,
     pub qd: f64,
     /// Torque through the gear in the last step without friction, N.m.
@@ -118,4 +159,11 @@ pub struct Mechanism {
     pub robot: Robot,
     /// kg.m2 added to each joint's diagonal (reflected rotor inertia).
     pub armature: Vec<f64>,
+}
+
+impl Mechanism {
+    /// The robot with ideal drives.
+    pub fn new(robot: Robot) -> Self {
+        Self { armature: vec![0.0; robot.dof()], robot }
+    }
 }

@@ -32,6 +32,7 @@ impl Effect for Stribeck {
                     role: Role::Nonlinear,
                 },
             ],
+            memory: 0,
             cause: "lubricant film that builds up with speed: static friction exceeds Coulomb",
             remedy: "make the dry level depend on speed; no common simulator format holds it",
             source: "Armstrong-Helouvry et al., Automatica 30(7), 1994; the paper's Eq. 1",
@@ -44,7 +45,7 @@ impl Effect for Stribeck {
         vec![motion.qd.joint(joint).iter().map(column).collect()]
     }
 
-    fn act(&self, values: &[f64], state: &JointState, load: &mut JointLoad) {
+    fn act(&self, values: &[f64], state: &JointState, _: &mut [f64], load: &mut JointLoad) {
         load.dry += values[0] * (-(state.qd / values[1]).abs()).exp();
     }
 }
