@@ -1,5 +1,13 @@
 //! Which parameters make the twin's torque match the recorded one, and how sure that is.
 
+pub mod bounded;
+pub mod bounds;
+pub mod brent;
+pub mod kernels;
+pub mod levenberg_marquardt;
+pub mod pso;
+pub mod qr;
+
 use serde::Serialize;
 
 /// What one method found, all joints.
