@@ -1,0 +1,232 @@
+//! The file is read back with the library that wrote it, and by the viewer where it is installed.
+
+use std::collections::BTreeMap;
+use std::process::Command;
+
+use nalgebra::{Matrix3, Vector3};
+use rerun::external::re_log_encoding::DecoderApp;
+use rerun::log::{Chunk, LogMsg};
+
+use super::*;
+use crate::robot::{Body, Inertia, Joint, Limits, Placement, Robot};
+use crate::series::JointSeries;
+
+/// d, a, alpha of a six-axis arm like a UR5.
+const DH: [(f64, f64, f64); 6] = [
+    (0.089, 0.0, 1.0),
+    (0.0, -0.425, 0.0),
+    (0.0, -0.392, 0.0),
+    (0.109, 0.0, 1.0),
+    (0.095, 0.0, -1.0),
+    (0.082, 0.0, 0.0),
+];
+
+fn arm() -> Robot {
+    let mut placement = Placement::identity();
+    let mut bodies = Vec::new();
+    for (i, (d, a, quarter)) in DH.into_iter().enumerate() {
+        bodies.push(body(i, placement));
+        placement = Placement {
+            rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, -quarter, 0.0, quarter, 0.0),
+            translation: Vector3::new(a, 0.0, d),
+        };
+        if quarter == 0.0 {
+            placement.rotation = Matrix3::identity();
+        }
+    }
+    Robot { name: "six".into(), bodies, gravity: Vector3::new(0.0, 0.0, -9.81), flange: placement }
+}
+
+fn body(i: usize, placement: Placement) -> Body {
+    let limits = Limits { lower: -6.0, upper: 6.0, velocity: 3.0, effort: 150.0 };
+    Body {
+        name: format!("link {}", i + 1),
+        parent: i.checked_sub(1),
+        joint: Joint {
+            name: format!("joint_{}", i + 1),
+            placement,
+            axis: Vector3::z_axis(),
+            limits,
+        },
+        inertia: Inertia { mass: 1.0, com: Vector3::zeros(), about_com: Matrix3::identity() },
+    }
+}
+
+fn series(time: &[f64], f: impl Fn(usize, f64) -> f64) -> JointSeries {
+    let rows: Vec<Vec<f64>> = (0..6).map(|j| time.iter().map(|&t| f(j, t)).collect()).collect();
+    JointSeries::from_joints(&rows)
+}
+
+/// Sines, with a twin that lags a little and predicts torque without the ripple.
+fn comparison(samples: usize) -> Comparison {
+    let time: Vec<f64> = (0..samples).map(|k| k as f64 * 0.008).collect();
+    let rest = [0.3, -1.2, 1.5, -1.8, -1.57, 0.0];
+    let angle = |j: usize, t: f64| rest[j] + 0.7 * ((0.5 + 0.13 * j as f64) * t).sin();
+    let speed = |j: usize, t: f64| {
+        let w = 0.5 + 0.13 * j as f64;
+        0.7 * w * (w * t).cos()
+    };
+    let torque = |j: usize, t: f64| 40.0 / (j + 1) as f64 * (0.9 * t).sin();
+    let ripple = |j: usize, t: f64| 2.0 / (j + 1) as f64 * (25.0 * t).sin();
+    Comparison {
+        title: "sines".into(),
+        robot: arm(),
+        recorded: Motion { q: series(&time, angle), qd: series(&time, speed) },
+        simulated: Motion {
+            q: series(&time, |j, t| angle(j, t - 0.1)),
+            qd: series(&time, |j, t| speed(j, t - 0.1)),
+        },
+        target_q: Some(series(&time, angle)),
+        torque: Torque {
+            measured: series(&time, |j, t| torque(j, t) + ripple(j, t)),
+            predicted: series(&time, torque),
+        },
+        summary: "# Sines\n\n| joint | rms |\n|---|---|\n| 1 | 0.5 |\n".into(),
+        time,
+    }
+}
+
+/// The chunks of the recording (not of the blueprint) in a file, by entity path.
+fn chunks(path: &std::path::Path) -> BTreeMap<String, Vec<Chunk>> {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut found: BTreeMap<String, Vec<Chunk>> = BTreeMap::new();
+    for message in DecoderApp::decode_lazy(file) {
+        if let LogMsg::ArrowMsg(store, arrow) = message.unwrap()
+            && store.is_recording()
+        {
+            let chunk = Chunk::from_arrow_msg(&arrow).unwrap();
+            found.entry(chunk.entity_path().to_string()).or_default().push(chunk);
+        }
+    }
+    found
+}
+
+fn written(comparison: &Comparison) -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("twin.rrd");
+    write_rrd(comparison, &path).unwrap();
+    (folder, path)
+}
+
+/// Rows and last time (s) of an entity that is logged in one piece on the timeline.
+fn extent(chunks: &[Chunk]) -> (usize, f64) {
+    let timed: Vec<_> = chunks.iter().filter(|c| !c.is_static()).collect();
+    assert_eq!(timed.len(), 1, "one chunk on the timeline");
+    let times = timed[0].timelines().values().next().unwrap();
+    assert_eq!(times.name(), plots::TIMELINE);
+    (timed[0].num_rows(), *times.times_raw().last().unwrap() as f64 * 1e-9)
+}
+
+#[test]
+fn every_quantity_of_every_joint_is_there_to_the_last_sample() {
+    let comparison = comparison(1001);
+    let (_folder, path) = written(&comparison);
+    let found = chunks(&path);
+    for joint in 0..6 {
+        for quantity in plots::QUANTITIES {
+            let entity = format!("/{}", plots::entity(joint, quantity));
+            assert_eq!(extent(&found[&entity]), (1001, 8.0), "{entity}");
+        }
+    }
+    assert!(found.contains_key("/summary"));
+}
+
+#[test]
+fn curves_hold_the_values_they_are_named_after() {
+    let comparison = comparison(300);
+    let (_folder, path) = written(&comparison);
+    let found = chunks(&path);
+    let row = |quantity: &plots::Quantity, k: usize| -> Vec<f64> {
+        let chunks = &found[&format!("/{}", plots::entity(2, quantity))];
+        let timed = chunks.iter().find(|c| !c.is_static()).unwrap();
+        let scalars = rerun::Scalars::descriptor_scalars().component;
+        timed.iter_slices::<f64>(scalars).nth(k).unwrap().to_vec()
+    };
+    let at = |series: &JointSeries| series.joint(2)[250];
+    let (measured, predicted) = (at(&comparison.torque.measured), at(&comparison.torque.predicted));
+    let (recorded, simulated) = (at(&comparison.recorded.q), at(&comparison.simulated.q));
+    assert_eq!(row(&plots::TORQUE, 250), [measured, predicted]);
+    assert_eq!(row(&plots::RESIDUAL, 250), [measured - predicted]);
+    assert_eq!(
+        row(&plots::ANGLE, 250),
+        [at(comparison.target_q.as_ref().unwrap()), recorded, simulated]
+    );
+    assert_eq!(row(&plots::TRACKING, 250), [recorded - simulated]);
+}
+
+#[test]
+fn both_arms_move_until_the_end_at_no_more_than_the_pose_rate() {
+    let (_folder, path) = written(&comparison(1001));
+    let found = chunks(&path);
+    for side in ["recorded", "simulated"] {
+        let bodies: Vec<_> =
+            (1..=6).map(|n| (1..=n).map(|i| format!("/link\\ {i}")).collect::<String>()).collect();
+        for body in bodies {
+            let entity = format!("/arm/{side}{body}");
+            let (rows, last) = extent(&found[&entity]);
+            assert!((190..=242).contains(&rows) && last == 8.0, "{entity}: {rows} rows to {last}");
+            assert!(found.contains_key(&format!("{entity}/link")), "{entity} has a shape");
+        }
+        assert!(found.contains_key(&format!("/arm/{side}/flange_path")));
+    }
+}
+
+#[test]
+fn the_arrangement_comes_along_and_is_active() {
+    let (_folder, path) = written(&comparison(11));
+    let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
+    let messages: Vec<LogMsg> = DecoderApp::decode_lazy(file).map(Result::unwrap).collect();
+    let active = messages.iter().any(
+        |m| matches!(m, LogMsg::BlueprintActivationCommand(c) if c.make_active && c.make_default),
+    );
+    let views = messages.iter().filter(|m| match m {
+        LogMsg::ArrowMsg(store, arrow) if store.is_blueprint() => {
+            let path = Chunk::from_arrow_msg(arrow).unwrap().entity_path().to_string();
+            path.starts_with("/view/") && path.ends_with("/ViewContents")
+        }
+        _ => false,
+    });
+    assert!(active);
+    assert_eq!(views.count(), 2 + 4 * 6 + 6 * plots::QUANTITIES.len());
+}
+
+#[test]
+fn the_flange_of_a_stretched_arm_is_where_the_table_says() {
+    let stretched = arm::flange_position(&arm(), &[0.0; 6]);
+    let expected = Vector3::new(-0.425 - 0.392, -0.109 - 0.082, 0.089 - 0.095);
+    assert!((stretched - expected).norm() < 1e-12, "{stretched}");
+    let quarter = arm::flange_position(&arm(), &[std::f64::consts::FRAC_PI_2, 0., 0., 0., 0., 0.]);
+    let turned = Vector3::new(-expected.y, expected.x, expected.z);
+    assert!((quarter - turned).norm() < 1e-12, "{quarter}");
+}
+
+#[test]
+fn series_that_do_not_fit_leave_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("twin.rrd");
+    let mut short = comparison(100);
+    short.torque.predicted = JointSeries::zeros(6, 99);
+    let message = write_rrd(&short, &path).unwrap_err().to_string();
+    assert!(message.contains("predicted torque has 6 joints and 99 samples"), "{message}");
+    let mut empty = comparison(1);
+    empty.time.clear();
+    assert!(matches!(write_rrd(&empty, &path), Err(Error::Empty)));
+    assert!(matches!(
+        write_rrd(&comparison(10), &folder.path().join("no/folder.rrd")),
+        Err(Error::Write { .. })
+    ));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn the_viewer_itself_accepts_the_file() {
+    let viewer = std::env::var("ARMTWIN_RERUN").unwrap_or_else(|_| "rerun".into());
+    if Command::new(&viewer).arg("--version").output().is_err() {
+        eprintln!("skipped: no rerun viewer on PATH or under ARMTWIN_RERUN");
+        return;
+    }
+    let (_folder, path) = written(&comparison(500));
+    let out = Command::new(&viewer).args(["rrd", "verify"]).arg(&path).output().unwrap();
+    let said = String::from_utf8_lossy(&out.stdout) + String::from_utf8_lossy(&out.stderr);
+    assert!(out.status.success() && said.contains("1 file verified without error"), "{said}");
+}
