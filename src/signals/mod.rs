@@ -1,4 +1,27 @@
 //! Recording -> uniformly sampled motion and torque, with every choice visible.
+//!
+//! [`condition`] picks the channels, puts them on a uniform grid, low-passes and differentiates
+//! the motion. The torque stays as measured: whoever regresses on it filters torque and regressors
+//! alike ([`LowPass::apply_many`]), keeps every [`Samples::decimation`]-th sample and masks
+//! standstill ([`Samples::rows`]); parallel filtering, Swevers, Verdonck and De Schutter,
+//! "Dynamic model identification for industrial robots", IEEE Control Systems 27(5), 2007.
+
+mod channels;
+mod condition;
+mod derivative;
+mod error;
+mod low_pass;
+mod mask;
+mod resample;
+mod savitzky_golay;
+
+pub use condition::condition;
+pub use derivative::{central_difference, mean_difference, second_difference};
+pub use error::SignalError;
+pub use low_pass::LowPass;
+pub use mask::{Rows, erode, runs};
+pub use resample::{Interpolation, UniformGrid};
+pub use savitzky_golay::SavitzkyGolay;
 
 use crate::series::JointSeries;
 
@@ -6,11 +29,17 @@ use crate::series::JointSeries;
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Conditioning {
-    /// Uniform grid, Hz; `None` takes the recording's median rate.
+    /// Uniform grid, Hz; `None` takes the recording's own rate (its commonest step, or the mean
+    /// step when fewer than four in five agree).
     pub rate_hz: Option<f64>,
+    /// Between recorded instants.
+    pub interpolation: Interpolation,
+    /// Steps longer than this many periods are gaps: nothing in or near them is used.
+    pub gap_periods: f64,
     /// How velocity and acceleration come about.
     pub derivatives: Derivatives,
-    /// Zero-phase low-pass of the position before it is differentiated, Hz; 0 is none.
+    /// Zero-phase low-pass of the motion before it is differentiated, Hz; 0 is none. Of the
+    /// tracking error alone where [`Derivatives::TrackingError`] is chosen.
     pub motion_cutoff_hz: f64,
     /// Zero-phase low-pass of torque and regressors alike, Hz; 0 is none.
     pub torque_cutoff_hz: f64,
@@ -18,8 +47,13 @@ pub struct Conditioning {
     pub filter_order: usize,
     /// Samples with |qd| at or below this are not sliding, rad/s; 0 keeps all.
     pub standstill_rad_s: f64,
-    /// Dropped at both ends, where zero-phase filters have no past or future, s.
+    /// Sliding samples nearer than this to standstill are not used either: filters smear the
+    /// arbitrary torque of a standing joint over its neighbours, s.
+    pub guard_s: f64,
+    /// Dropped at both ends and beside gaps, where zero-phase filters have no past or future, s.
     pub margin_s: f64,
+    /// Keep every n-th sample; `None` follows from the torque cutoff ([`Samples::decimation`]).
+    pub decimation: Option<usize>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -29,7 +63,7 @@ pub enum Derivatives {
     Position,
     /// Commanded motion plus the smoothed tracking error: no differentiation noise.
     TrackingError,
-    /// The recorded velocity, differentiated once.
+    /// The recorded velocity, low-passed and differentiated once.
     Recorded,
     /// The paper's: recorded velocity, mean of forward and backward difference, no filter.
     Paper,
@@ -39,12 +73,16 @@ impl Default for Conditioning {
     fn default() -> Self {
         Self {
             rate_hz: None,
+            interpolation: Interpolation::Cubic,
+            gap_periods: 5.0,
             derivatives: Derivatives::Position,
             motion_cutoff_hz: 8.0,
             torque_cutoff_hz: 8.0,
             filter_order: 4,
             standstill_rad_s: 0.02,
+            guard_s: 0.0,
             margin_s: 0.5,
+            decimation: None,
         }
     }
 }
@@ -57,14 +95,52 @@ pub struct Samples {
     pub dt: f64,
     /// Time of the first sample in the recording, s.
     pub start: f64,
+    /// rad
     pub q: JointSeries,
+    /// rad/s
     pub qd: JointSeries,
+    /// rad/s^2
     pub qdd: JointSeries,
     /// N.m at the joint, drive side.
     pub torque: JointSeries,
     /// deg C, where recorded.
     pub temperature: Option<JointSeries>,
+    /// False in the margins at both ends, in gaps and beside them; the same for every joint.
+    pub usable: Vec<bool>,
     pub conditioning: Conditioning,
     /// What was resampled, filled or dropped, for people.
     pub notes: Vec<String>,
 }
+
+impl Samples {
+    pub fn joints(&self) -> usize {
+        self.q.joints()
+    }
+
+    /// Samples per joint.
+    pub fn len(&self) -> usize {
+        self.q.samples()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    pub fn rate_hz(&self) -> f64 {
+        1.0 / self.dt
+    }
+
+    /// Recording time of sample `k`, s.
+    pub fn time(&self, k: usize) -> f64 {
+        self.start + k as f64 * self.dt
+    }
+
+    /// The low-pass for torque and regressors; `None` where the conditioning says none.
+    pub fn torque_filter(&self) -> Result<Option<LowPass>, SignalError> {
+        let Conditioning { torque_cutoff_hz, filter_order, .. } = self.conditioning;
+        LowPass::if_wanted(torque_cutoff_hz, self.rate_hz(), filter_order)
+    }
+}
+
+#[cfg(test)]
+mod tests;

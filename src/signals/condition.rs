@@ -1,0 +1,189 @@
+//! The way from a recording to samples, one step after the other.
+
+use super::channels::{Picked, pick};
+use super::{
+    Conditioning, Derivatives, LowPass, Samples, SavitzkyGolay, SignalError, UniformGrid,
+    central_difference, erode, mean_difference, second_difference,
+};
+use crate::recording::Recording;
+use crate::robot::Drive;
+use crate::series::JointSeries;
+
+/// Of the polynomial that smooths the tracking error: its second derivative is a parabola.
+const TRACKING_DEGREE: usize = 4;
+/// Usable samples below which nothing can be fitted.
+const FEWEST_USABLE: usize = 10;
+
+/// Puts the first `dof` joints of `recording` on a uniform grid and differentiates as `how` says.
+/// The torque is `joint_torque_*` where recorded, else current through `drive`.
+pub fn condition(
+    recording: &Recording,
+    drive: &Drive,
+    dof: usize,
+    how: &Conditioning,
+) -> Result<Samples, SignalError> {
+    check(how)?;
+    let mut picked = pick(recording, drive, dof, how.derivatives)?;
+    let grid = lay_grid(&recording.time, how)?;
+    let mut notes = std::mem::take(&mut picked.notes);
+    notes.extend(describe(&grid, &recording.time));
+    let carry = |s: &JointSeries| s.map_joints(|_, x| grid.resample(x));
+    let motion = differentiate(&picked, carry, grid.dt, how)?;
+    let usable = usable(&grid, how)?;
+    let [q, qd, qdd] = motion;
+    Ok(Samples {
+        dt: grid.dt,
+        start: grid.start,
+        q,
+        qd,
+        qdd,
+        torque: carry(&picked.torque),
+        temperature: picked.temperature.as_ref().map(carry),
+        usable,
+        conditioning: how.clone(),
+        notes,
+    })
+}
+
+/// Refuses settings no recording could be conditioned with.
+fn check(how: &Conditioning) -> Result<(), SignalError> {
+    let bad = |key, value, remedy| Err(SignalError::Setting { key, value, remedy });
+    let not_negative = [
+        ("motion_cutoff_hz", how.motion_cutoff_hz),
+        ("torque_cutoff_hz", how.torque_cutoff_hz),
+        ("standstill_rad_s", how.standstill_rad_s),
+        ("guard_s", how.guard_s),
+        ("margin_s", how.margin_s),
+    ];
+    for (key, value) in not_negative {
+        if !(value >= 0.0 && value.is_finite()) {
+            return bad(key, value, "give a finite number of at least 0");
+        }
+    }
+    if let Some(rate) = how.rate_hz.filter(|r| !(*r > 0.0 && r.is_finite())) {
+        return bad(
+            "rate_hz",
+            rate,
+            "give a rate above 0, or leave it out for the recording's own",
+        );
+    }
+    if how.gap_periods.is_nan() || how.gap_periods < 1.5 {
+        return bad("gap_periods", how.gap_periods, "give at least 1.5");
+    }
+    if how.decimation == Some(0) {
+        return bad("decimation", 0.0, "1 keeps every sample");
+    }
+    Ok(())
+}
+
+/// Instants a sensible grid can have; more means a wrong rate or a wrong time column.
+const MOST_SAMPLES: f64 = 5e7;
+
+fn lay_grid(time: &[f64], how: &Conditioning) -> Result<UniformGrid, SignalError> {
+    let seconds = time.last().unwrap_or(&0.0) - time.first().unwrap_or(&0.0);
+    if time.len() < FEWEST_USABLE {
+        return Err(too_short(time.len(), seconds, 0.0, how));
+    }
+    if let Some(rate) = how.rate_hz.filter(|rate| rate * seconds > MOST_SAMPLES) {
+        let remedy = "that is more than 50 million samples; choose a lower rate";
+        return Err(SignalError::Setting { key: "rate_hz", value: rate, remedy });
+    }
+    Ok(UniformGrid::new(time, how.rate_hz, how.interpolation, how.gap_periods))
+}
+
+fn too_short(samples: usize, seconds: f64, dt: f64, how: &Conditioning) -> SignalError {
+    let needed_s = 2.0 * how.margin_s + FEWEST_USABLE as f64 * dt;
+    SignalError::TooShort { samples, seconds, needed_s, margin_s: how.margin_s }
+}
+
+/// What the grid changed, in sentences.
+fn describe(grid: &UniformGrid, time: &[f64]) -> Vec<String> {
+    let (samples, rate) = (grid.len(), 1.0 / grid.dt);
+    let between = 100.0 * grid.interpolated();
+    let mut notes = vec![format!(
+        "{} recorded instants -> {samples} samples at {rate:.3} Hz, {between:.1} % interpolated",
+        time.len()
+    )];
+    let gaps = grid.gaps();
+    if let Some(longest) = gaps.iter().map(|g| g.end - g.start).max_by(f64::total_cmp) {
+        let count = gaps.len();
+        notes.push(format!("{count} gaps in time, the longest {longest:.3} s, left out"));
+    }
+    notes
+}
+
+/// False in gaps, at both ends and within the margin of either.
+fn usable(grid: &UniformGrid, how: &Conditioning) -> Result<Vec<bool>, SignalError> {
+    let n = grid.len();
+    let margin = (how.margin_s / grid.dt).round() as usize;
+    let recorded: Vec<bool> = grid.in_gap().iter().map(|gap| !gap).collect();
+    let mut usable = erode(&recorded, margin);
+    usable[..margin.min(n)].fill(false);
+    usable[n.saturating_sub(margin)..].fill(false);
+    if usable.iter().filter(|u| **u).count() < FEWEST_USABLE {
+        return Err(too_short(n, n as f64 * grid.dt, grid.dt, how));
+    }
+    Ok(usable)
+}
+
+/// q, qd, qdd on the grid; `carry` resamples.
+fn differentiate(
+    picked: &Picked,
+    carry: impl Fn(&JointSeries) -> JointSeries,
+    dt: f64,
+    how: &Conditioning,
+) -> Result<[JointSeries; 3], SignalError> {
+    let filter = LowPass::if_wanted(how.motion_cutoff_hz, 1.0 / dt, how.filter_order)?;
+    let smooth = |series: &JointSeries| low_passed(filter.as_ref(), carry(series));
+    let by_time = |x: &JointSeries| x.map_joints(|_, x| central_difference(x, dt));
+    match (&picked.target, &picked.qd) {
+        (Some(target), _) => Ok(track(&carry(&picked.q), &target.each_ref().map(carry), dt, how)),
+        (None, Some(qd)) if how.derivatives == Derivatives::Paper => {
+            let qd = carry(qd);
+            let qdd = qd.map_joints(|_, x| mean_difference(x, dt));
+            Ok([carry(&picked.q), qd, qdd])
+        }
+        (None, Some(qd)) => {
+            let qd = smooth(qd);
+            let qdd = by_time(&qd);
+            Ok([smooth(&picked.q), qd, qdd])
+        }
+        (None, None) => {
+            let q = smooth(&picked.q);
+            let qdd = q.map_joints(|_, x| second_difference(x, dt));
+            let qd = by_time(&q);
+            Ok([q, qd, qdd])
+        }
+    }
+}
+
+fn low_passed(filter: Option<&LowPass>, series: JointSeries) -> JointSeries {
+    let Some(filter) = filter else { return series };
+    let mut rows: Vec<Vec<f64>> = (0..series.joints()).map(|j| series.joint(j).to_vec()).collect();
+    filter.apply_many(&mut rows);
+    JointSeries::from_joints(&rows)
+}
+
+/// Commanded motion plus the smoothed tracking error e = q - q_target and its derivatives.
+fn track(
+    q: &JointSeries,
+    target: &[JointSeries; 3],
+    dt: f64,
+    how: &Conditioning,
+) -> [JointSeries; 3] {
+    let cutoff = if how.motion_cutoff_hz > 0.0 { how.motion_cutoff_hz } else { 0.4 / dt };
+    let smoother = SavitzkyGolay::with_cutoff(cutoff, 1.0 / dt, TRACKING_DEGREE);
+    let error = q.map_joints(|j, q| difference(q, target[0].joint(j)));
+    [0, 1, 2].map(|order| {
+        let corrections = error.map_joints(|_, e| smoother.apply(e, order));
+        corrections.map_joints(|j, c| sum(c, target[order].joint(j)))
+    })
+}
+
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}
