@@ -11,6 +11,7 @@ mod path;
 mod plateaus;
 mod point_to_point;
 mod settings;
+mod spline;
 mod trajectory;
 mod waves;
 
@@ -19,4 +20,5 @@ mod tests;
 
 pub use envelope::Envelope;
 pub use settings::{Kind, MotionError, Settings};
+pub use spline::Spline;
 pub use trajectory::{Sampled, Trajectory};
