@@ -1,7 +1,40 @@
 //! The rigid arm: tables -> URDF -> [`Robot`], its dynamics, and the drive that moves it.
 
 mod drive;
+pub mod dynamics;
+mod error;
 mod model;
+pub mod spatial;
+pub mod tables;
+pub mod urdf;
 
 pub use drive::Drive;
+pub use dynamics::*;
+pub use error::RobotError;
 pub use model::{Body, Inertia, Joint, Limits, Placement, Robot};
+pub use tables::BUILT_IN;
+
+/// m/s^2, along -z of the base: what the arms of this crate stand in unless told otherwise.
+pub const GRAVITY: f64 = 9.81;
+
+/// The built-in arm of that name.
+pub fn builtin(name: &str) -> Option<Robot> {
+    BUILT_IN.iter().find(|t| t.name == name).map(|t| t.robot())
+}
+
+/// A built-in arm by name, or any serial arm from its URDF file.
+///
+/// # Errors
+/// Unknown names list the built-in ones; a bad URDF is refused naming the link or joint.
+pub fn load(name_or_path: &str) -> Result<Robot, RobotError> {
+    if let Some(robot) = builtin(name_or_path) {
+        return Ok(robot);
+    }
+    let path = std::path::Path::new(name_or_path);
+    let looks_like_path = path.extension().is_some() || path.components().count() > 1;
+    if looks_like_path || path.exists() {
+        return urdf::read_file(path);
+    }
+    let names: Vec<_> = BUILT_IN.iter().map(|t| t.name).collect();
+    Err(RobotError::Unknown { name: name_or_path.into(), built_in: names.join(", ") })
+}

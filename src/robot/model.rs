@@ -11,7 +11,7 @@ pub struct Robot {
     pub bodies: Vec<Body>,
     /// Gravitational acceleration in the base frame, m/s^2.
     pub gravity: Vector3<f64>,
-    /// From the last body's frame to the flange (tool0), for payloads and Cartesian paths.
+    /// The flange (tool0) seen from the last body's frame, for payloads and Cartesian paths.
     pub flange: Placement,
 }
 
@@ -35,7 +35,7 @@ pub struct Joint {
     pub limits: Limits,
 }
 
-/// rad, rad/s, N.m.
+/// rad, rad/s, N.m. A continuous joint has infinite `lower` and `upper`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     pub lower: f64,
@@ -55,6 +55,24 @@ impl Placement {
     pub fn identity() -> Self {
         Self { rotation: Matrix3::identity(), translation: Vector3::zeros() }
     }
+
+    /// The frame `inner`, which is seen from this frame, seen from where this frame is seen from.
+    pub fn compose(&self, inner: &Self) -> Self {
+        Self {
+            rotation: self.rotation * inner.rotation,
+            translation: self.point(&inner.translation),
+        }
+    }
+
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.transpose();
+        Self { rotation, translation: -(rotation * self.translation) }
+    }
+
+    /// A point given in this frame, seen from the other.
+    pub fn point(&self, own: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation * own + self.translation
+    }
 }
 
 /// Mass, centre of mass, and rotational inertia about the centre of mass, in body axes.
@@ -68,9 +86,79 @@ pub struct Inertia {
     pub about_com: Matrix3<f64>,
 }
 
+impl Inertia {
+    pub fn zero() -> Self {
+        Self { mass: 0.0, com: Vector3::zeros(), about_com: Matrix3::zeros() }
+    }
+
+    /// Rotational inertia about the frame's origin, I_o = I_c + m (c.c 1 - c c^T).
+    pub fn about_origin(&self) -> Matrix3<f64> {
+        self.about_com + point_mass(self.mass, &self.com)
+    }
+
+    /// [m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz], the inertia about the frame's origin:
+    /// what inverse dynamics is linear in.
+    pub fn parameters(&self) -> [f64; 10] {
+        let h = self.com * self.mass;
+        let i = self.about_origin();
+        [self.mass, h.x, h.y, h.z, i.m11, i.m12, i.m22, i.m13, i.m23, i.m33]
+    }
+
+    /// The inverse of [`Inertia::parameters`]. The centre of mass of no mass is the origin.
+    pub fn from_parameters(p: &[f64; 10]) -> Self {
+        let mass = p[0];
+        let h = Vector3::new(p[1], p[2], p[3]);
+        let com = if mass == 0.0 { Vector3::zeros() } else { h / mass };
+        let about_origin = Matrix3::new(p[4], p[5], p[7], p[5], p[6], p[8], p[7], p[8], p[9]);
+        Self { mass, com, about_com: about_origin - point_mass(mass, &com) }
+    }
+
+    /// The same body seen from the frame that sees its own frame at `placement`.
+    pub fn seen_from(&self, placement: &Placement) -> Self {
+        let r = placement.rotation;
+        Self {
+            mass: self.mass,
+            com: placement.point(&self.com),
+            about_com: r * self.about_com * r.transpose(),
+        }
+    }
+
+    /// Two bodies, given in the same frame, bolted together.
+    pub fn joined_with(&self, other: &Self) -> Self {
+        let mass = self.mass + other.mass;
+        if mass == 0.0 {
+            return Self { about_com: self.about_com + other.about_com, ..*self };
+        }
+        let com = (self.com * self.mass + other.com * other.mass) / mass;
+        let part = |i: &Self| i.about_com + point_mass(i.mass, &(i.com - com));
+        Self { mass, com, about_com: part(self) + part(other) }
+    }
+}
+
+/// Inertia about the origin of a point mass at `c`.
+fn point_mass(mass: f64, c: &Vector3<f64>) -> Matrix3<f64> {
+    (Matrix3::identity() * c.dot(c) - c * c.transpose()) * mass
+}
+
 impl Robot {
     /// Degrees of freedom.
     pub fn dof(&self) -> usize {
         self.bodies.len()
+    }
+
+    /// kg, of all moving bodies.
+    pub fn mass(&self) -> f64 {
+        self.bodies.iter().map(|b| b.inertia.mass).sum()
+    }
+
+    /// The arm with a load bolted to its flange: mass in kg, centre of mass in m and inertia about
+    /// it in kg.m2, both in the flange's frame.
+    pub fn with_payload(&self, mass: f64, com: Vector3<f64>, about_com: Matrix3<f64>) -> Self {
+        let load = Inertia { mass, com, about_com }.seen_from(&self.flange);
+        let mut robot = self.clone();
+        if let Some(last) = robot.bodies.last_mut() {
+            last.inertia = last.inertia.joined_with(&load);
+        }
+        robot
     }
 }

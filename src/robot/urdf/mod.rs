@@ -1,0 +1,11 @@
+//! URDF text <-> [`Robot`](super::Robot).
+
+mod check;
+mod read;
+#[cfg(test)]
+mod tests;
+mod visual;
+mod write;
+
+pub use read::{read, read_file};
+pub use write::write;

@@ -1,0 +1,119 @@
+//! A [`Robot`] as URDF text: joints, inertias, a `tool0` frame, and cylinders to look at.
+
+use std::fmt::Write;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::visual::{self, Cylinder};
+use crate::robot::{Body, Inertia, Joint, Placement, Robot};
+
+/// Name of the fixed root link, the arm's base frame.
+const BASE: &str = "base";
+
+/// URDF of any robot; numbers are printed so that reading them back gives the same bits.
+pub fn write(robot: &Robot) -> String {
+    let mut text = String::from("<?xml version=\"1.0\"?>\n");
+    text += "<!-- Made by `armtwin urdf`; inertial frames have the axes of their links. -->\n";
+    let _ = writeln!(text, "<robot name=\"{}\">", escape(&robot.name));
+    text += &link(BASE, None, &visual::base(robot));
+    for (i, body) in robot.bodies.iter().enumerate() {
+        text += &link(&body.name, Some(&body.inertia), &visual::body(robot, i));
+        let parent = body.parent.map_or(BASE, |p| &robot.bodies[p].name);
+        text += &joint(&body.joint, parent, body);
+    }
+    text += "  <link name=\"tool0\"/>\n";
+    text += &flange(robot);
+    text + "</robot>\n"
+}
+
+fn link(name: &str, inertia: Option<&Inertia>, cylinders: &[Cylinder]) -> String {
+    let mut text = format!("  <link name=\"{}\">\n", escape(name));
+    if let Some(inertia) = inertia {
+        text += &inertial(inertia);
+    }
+    for c in cylinders {
+        let _ = write!(
+            text,
+            "    <visual>\n      {}\n      <geometry><cylinder radius=\"{}\" length=\"{}\"/>\
+             </geometry>\n    </visual>\n",
+            origin(&c.placement),
+            c.radius,
+            c.length
+        );
+    }
+    text + "  </link>\n"
+}
+
+fn inertial(inertia: &Inertia) -> String {
+    let i = &inertia.about_com;
+    format!(
+        "    <inertial>\n      <origin xyz=\"{}\" rpy=\"0 0 0\"/>\n      <mass value=\"{}\"/>\n      \
+         <inertia ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" izz=\"{}\"/>\n    \
+         </inertial>\n",
+        triple(&inertia.com),
+        inertia.mass,
+        i.m11 + 0.0,
+        i.m12 + 0.0,
+        i.m13 + 0.0,
+        i.m22 + 0.0,
+        i.m23 + 0.0,
+        i.m33 + 0.0
+    )
+}
+
+fn joint(joint: &Joint, parent: &str, body: &Body) -> String {
+    let l = &joint.limits;
+    let bounded = l.lower.is_finite() && l.upper.is_finite();
+    let kind = if bounded { "revolute" } else { "continuous" };
+    let range = if bounded {
+        format!("lower=\"{}\" upper=\"{}\" ", l.lower, l.upper)
+    } else {
+        String::new()
+    };
+    format!(
+        "  <joint name=\"{}\" type=\"{kind}\">\n    {}\n    <parent link=\"{}\"/>\n    \
+         <child link=\"{}\"/>\n    <axis xyz=\"{}\"/>\n    \
+         <limit {range}velocity=\"{}\" effort=\"{}\"/>\n  </joint>\n",
+        escape(&joint.name),
+        origin(&joint.placement),
+        escape(parent),
+        escape(&body.name),
+        triple(&joint.axis),
+        l.velocity,
+        l.effort
+    )
+}
+
+fn flange(robot: &Robot) -> String {
+    let parent = robot.bodies.last().map_or(BASE, |b| &b.name);
+    format!(
+        "  <joint name=\"tool0_fixed_joint\" type=\"fixed\">\n    {}\n    \
+         <parent link=\"{}\"/>\n    <child link=\"tool0\"/>\n  </joint>\n",
+        origin(&robot.flange),
+        escape(parent)
+    )
+}
+
+fn origin(placement: &Placement) -> String {
+    let rpy = roll_pitch_yaw(&placement.rotation);
+    format!("<origin xyz=\"{}\" rpy=\"{}\"/>", triple(&placement.translation), triple(&rpy))
+}
+
+/// Adding zero turns -0 into 0.
+fn triple(v: &Vector3<f64>) -> String {
+    format!("{} {} {}", v.x + 0.0, v.y + 0.0, v.z + 0.0)
+}
+
+/// Angles with R = Rot_z(yaw) Rot_y(pitch) Rot_x(roll). Roll is read after undoing yaw, which
+/// keeps full accuracy where pitch is +-pi/2 and only roll - yaw is determined.
+fn roll_pitch_yaw(r: &Matrix3<f64>) -> Vector3<f64> {
+    let yaw = if r.m11.hypot(r.m21) < 1e-9 { 0.0 } else { r.m21.atan2(r.m11) };
+    let (s, c) = yaw.sin_cos();
+    let pitch = (-r.m31).atan2(c * r.m11 + s * r.m21);
+    let roll = (s * r.m13 - c * r.m23).atan2(c * r.m22 - s * r.m12);
+    Vector3::new(roll, pitch, yaw)
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
