@@ -133,7 +133,7 @@ fn recording(time: &[f64]) -> Recording {
 }
 
 fn drive() -> Drive {
-    Drive { gear_ratio: vec![100.0; 2], torque_constant: vec![0.1; 2], rotor_inertia: vec![0.0; 2] }
+    Drive::new(vec![100.0; 2], vec![0.1; 2])
 }
 
 fn uniform(samples: usize) -> Vec<f64> {
