@@ -18,6 +18,7 @@ pub mod effects;
 pub mod files;
 pub mod identification;
 pub mod motion;
+pub mod motor;
 pub mod recording;
 pub mod report;
 pub mod robot;
