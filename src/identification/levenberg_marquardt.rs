@@ -58,7 +58,7 @@ pub enum Stop {
     /// The residual is zero to rounding, seen from where the search began.
     Exact,
     Evaluations,
-    /// The residual is not finite at the start.
+    /// Residual or Jacobian is not finite where the search stands.
     NotFinite,
 }
 
@@ -152,7 +152,7 @@ impl<'a, P: Residuals> Search<'a, P> {
             if self.norm <= rounding {
                 return Stop::Exact;
             }
-            let model = self.linearise();
+            let Some(model) = self.linearise() else { return Stop::NotFinite };
             if model.cosine <= settings.gradient_tolerance {
                 return Stop::GradientConverged;
             }
@@ -167,10 +167,14 @@ impl<'a, P: Residuals> Search<'a, P> {
         }
     }
 
-    fn linearise(&mut self) -> Model {
+    /// `None` where the Jacobian is not finite.
+    fn linearise(&mut self) -> Option<Model> {
         let columns = self.problem.jacobian(&self.x, &self.r, self.bounds);
         self.evaluations += 1;
         let norms: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt()).collect();
+        if norms.iter().any(|n| !n.is_finite()) {
+            return None;
+        }
         self.update_scale(&norms);
         let gradient: Vec<f64> = columns.iter().map(|c| dot(c, &self.r)).collect();
         let free: Vec<usize> =
@@ -183,7 +187,7 @@ impl<'a, P: Residuals> Search<'a, P> {
         let scaled =
             DMatrix::from_fn(free.len(), free.len(), |i, j| qr.r[(i, j)] / self.scale[free[j]]);
         let (uc, s, v_t) = singular(scaled, &c);
-        Model { free, r: qr.r, c, uc, s, v_t, cosine }
+        Some(Model { free, r: qr.r, c, uc, s, v_t, cosine })
     }
 
     fn update_scale(&mut self, norms: &[f64]) {
@@ -200,8 +204,9 @@ impl<'a, P: Residuals> Search<'a, P> {
     /// Inside, or on a bound with the way downhill leading inside.
     fn movable(&self, i: usize, gradient: f64) -> bool {
         let x = self.x[i];
-        !(x <= self.bounds.lower(i) && gradient >= 0.0)
-            && !(x >= self.bounds.upper(i) && gradient <= 0.0)
+        let held_below = x <= self.bounds.lower(i) && gradient >= 0.0;
+        let held_above = x >= self.bounds.upper(i) && gradient <= 0.0;
+        !held_below && !held_above
     }
 
     fn scaled_length(&self, p: &[f64]) -> f64 {
@@ -296,6 +301,9 @@ impl Model {
 /// U' c, singular values and V' of a square matrix.
 fn singular(a: DMatrix<f64>, c: &DVector<f64>) -> (DVector<f64>, DVector<f64>, DMatrix<f64>) {
     let n = a.ncols();
+    if n == 0 {
+        return (DVector::zeros(0), DVector::zeros(0), a);
+    }
     let svd = SVD::new(a, true, true);
     match (svd.u, svd.v_t) {
         (Some(u), Some(v_t)) => (u.tr_mul(c), svd.singular_values, v_t),
