@@ -3,10 +3,17 @@
 pub mod bounded;
 pub mod bounds;
 pub mod brent;
+pub mod chebyshev;
 pub mod kernels;
 pub mod levenberg_marquardt;
+pub mod problem;
 pub mod pso;
 pub mod qr;
+pub mod quadratic;
+pub mod separable;
+mod tables;
+#[doc(hidden)]
+pub mod testing;
 
 use serde::Serialize;
 

@@ -33,8 +33,8 @@ pub struct Column {
     pub values: Vec<f64>,
 }
 
-/// From a column at every sample to the kept samples: filter, mask, decimate. Linear.
-pub type Reduce = Arc<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>;
+/// From columns at every sample to the kept samples: filter, mask, decimate. Linear.
+pub type Reduce = Arc<dyn Fn(Vec<Vec<f64>>) -> Vec<Vec<f64>> + Send + Sync>;
 
 /// Coulomb friction with a Stribeck curve, the part of Eq. 1 that w_s bends.
 #[derive(Clone)]
@@ -71,18 +71,28 @@ pub struct JointProblem {
 impl Curve {
     /// F(s exp(-|w / w_s|)) at the kept samples.
     pub fn column(&self, velocity: f64) -> Vec<f64> {
-        let mut raw = vec![0.0; self.speed.len()];
-        stribeck(&self.speed, velocity, &mut raw);
-        (self.reduce)(&raw)
+        self.columns(&[velocity]).remove(0)
     }
 
-    /// F(s |w / w_s^2| exp(-|w / w_s|)): its derivative with respect to w_s.
-    fn derivative(&self, velocity: f64) -> Vec<f64> {
+    /// The same for several w_s: filters run fastest on many columns.
+    pub fn columns(&self, velocities: &[f64]) -> Vec<Vec<f64>> {
+        (self.reduce)(velocities.iter().map(|&v| self.raw(v)).collect())
+    }
+
+    /// s exp(-|w / w_s|) at every sample.
+    fn raw(&self, velocity: f64) -> Vec<f64> {
         let mut raw = vec![0.0; self.speed.len()];
         stribeck(&self.speed, velocity, &mut raw);
+        raw
+    }
+
+    /// The column and F(s |w / w_s^2| exp(-|w / w_s|)), its derivative with respect to w_s.
+    fn with_derivative(&self, velocity: f64) -> [Vec<f64>; 2] {
+        let raw = self.raw(velocity);
         let scale = 1.0 / (velocity * velocity);
-        raw.iter_mut().zip(&self.speed).for_each(|(e, w)| *e *= w.abs() * scale);
-        (self.reduce)(&raw)
+        let bend = raw.iter().zip(&self.speed).map(|(e, w)| e * w.abs() * scale).collect();
+        let mut both = (self.reduce)(vec![raw, bend]).into_iter();
+        std::array::from_fn(|_| both.next().unwrap_or_default())
     }
 }
 
@@ -102,9 +112,11 @@ impl JointProblem {
     pub fn parameters(&self) -> Vec<&Parameter> {
         let columns = self.columns.iter().map(|c| &c.parameter);
         match &self.curve {
-            Some(c) => {
-                [&c.coulomb, &c.static_level].into_iter().chain(columns).chain([&c.velocity]).collect()
-            }
+            Some(c) => [&c.coulomb, &c.static_level]
+                .into_iter()
+                .chain(columns)
+                .chain([&c.velocity])
+                .collect(),
             None => columns.collect(),
         }
     }
@@ -145,9 +157,8 @@ impl JointProblem {
         let columns = self.columns.iter().map(|c| c.values.clone());
         let Some(curve) = &self.curve else { return columns.collect() };
         let (excess, velocity) = (x[1] - x[0], x[x.len() - 1]);
-        let e = curve.column(velocity);
+        let [e, mut bend] = curve.with_derivative(velocity);
         let sliding = curve.sign.iter().zip(&e).map(|(s, e)| s - e).collect();
-        let mut bend = curve.derivative(velocity);
         bend.iter_mut().for_each(|b| *b *= excess);
         [sliding, e].into_iter().chain(columns).chain([bend]).collect()
     }

@@ -191,12 +191,10 @@ struct Sums {
 
 impl Sums {
     fn new(curve: &Curve, qr: &Qr, left: &[f64], middle: f64, half: f64, count: usize) -> Self {
-        let (mut h, mut across) = (Vec::new(), Vec::new());
-        for node in chebyshev::nodes(count) {
-            let mut g = curve.column((middle + half * node).exp());
-            h.push(project_once(&qr.q, &mut g));
-            across.push(g);
-        }
+        let nodes = chebyshev::nodes(count);
+        let velocities: Vec<f64> = nodes.iter().map(|node| (middle + half * node).exp()).collect();
+        let mut across = curve.columns(&velocities);
+        let h = across.iter_mut().map(|g| project_once(&qr.q, g)).collect();
         let u = across.iter().map(|g| dot(g, left)).collect();
         Self { h, u, products: products(&across) }
     }

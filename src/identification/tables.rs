@@ -42,7 +42,9 @@ impl Tables {
     pub fn new(low: f64, high: f64, functions: usize, f: impl Fn(f64) -> Vec<f64>) -> Self {
         let first = low.to_bits() >> SHIFT;
         let count = (high.to_bits() >> SHIFT) - first;
-        let ends = |i: u64| (f64::from_bits((first + i) << SHIFT), f64::from_bits((first + i + 1) << SHIFT));
+        let ends = |i: u64| {
+            (f64::from_bits((first + i) << SHIFT), f64::from_bits((first + i + 1) << SHIFT))
+        };
         let piece = |(a, b): (f64, f64)| Piece { middle: 0.5 * (a + b), scale: 2.0 / (b - a) };
         let pieces: Vec<Piece> = (0..count).map(|i| piece(ends(i))).collect();
         let coefficients = pieces.iter().flat_map(|p| series(p, functions, &f)).collect();
@@ -58,7 +60,13 @@ impl Tables {
         let blocks = self.functions.div_ceil(BLOCK);
         let start = index * blocks * TERMS;
         let series = &self.coefficients[start..start + blocks * TERMS];
-        let mut values = [0.0; 4 * BLOCK];
+        let (mut near, mut far) = ([0.0; 4 * BLOCK], Vec::new());
+        let values = if blocks <= 4 {
+            &mut near[..]
+        } else {
+            far.resize(blocks * BLOCK, 0.0);
+            &mut far[..]
+        };
         for (block, out) in series.chunks_exact(TERMS).zip(values.chunks_exact_mut(BLOCK)) {
             out.copy_from_slice(&clenshaw(block, t));
         }
