@@ -1,6 +1,23 @@
 //! A recording: named SI columns on one time column, and where they came from.
 //! One file per format; every reader yields the same [`Recording`].
 
+mod check;
+mod columns;
+mod error;
+mod format;
+mod mapped_csv;
+mod movement_folder;
+mod rtde_csv;
+mod table;
+mod text;
+
+pub use check::{FEWEST_SAMPLES, JOINT_SIGNALS};
+pub use columns::ColumnMap;
+pub use error::RecordingError;
+pub use format::{FORMATS, Format, WriteOptions, read, write, writer};
+pub use rtde_csv::write_csv;
+pub use text::Delimiter;
+
 use crate::series::JointSeries;
 
 /// Named columns of equal length. RTDE names (`actual_q_0` .. `actual_q_5`, `actual_current_*`).

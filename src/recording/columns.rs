@@ -1,0 +1,185 @@
+//! Column maps: a small TOML that says what the columns of a foreign CSV are.
+//!
+//! ```toml
+//! time = 1                                       # column number from 1, or a header name
+//! [channels]
+//! actual_q = { first = 2, count = 6 }
+//! actual_qd = { columns = [8, 9, 10, 11, 12, 13], scale = 0.0174532925199433 }
+//! ```
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::RecordingError;
+use super::text::{Delimiter, Layout};
+
+/// What the columns of a foreign CSV are.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnMap {
+    /// Found out if left out.
+    pub delimiter: Option<Delimiter>,
+    /// Lines in front of the header or the first row.
+    #[serde(default)]
+    pub skip_rows: usize,
+    #[serde(default)]
+    pub decimal: Decimal,
+    /// Columns every row must have; not checked if left out.
+    pub file_columns: Option<usize>,
+    pub time: Column,
+    /// Seconds per unit of the time column.
+    #[serde(default = "one")]
+    pub time_scale: f64,
+    /// By RTDE stem; joint j becomes `stem_j`.
+    pub channels: BTreeMap<String, Channels>,
+    /// Where the map came from, for messages.
+    #[serde(skip)]
+    pub file: String,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+pub enum Decimal {
+    #[default]
+    #[serde(rename = ".")]
+    Point,
+    #[serde(rename = ",")]
+    Comma,
+}
+
+/// One column of the file.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged, expecting = "a column number from 1 or a name of the header")]
+pub enum Column {
+    Number(usize),
+    Name(String),
+}
+
+/// The columns of one signal, base to wrist.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Channels {
+    /// One by one; or `first` and `count`.
+    columns: Option<Vec<Column>>,
+    first: Option<usize>,
+    count: Option<usize>,
+    /// SI units per unit of the file.
+    #[serde(default)]
+    scale: Scale,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged, expecting = "a number or a list with one number per column")]
+enum Scale {
+    All(f64),
+    Each(Vec<f64>),
+}
+
+impl Default for Scale {
+    fn default() -> Self {
+        Scale::All(1.0)
+    }
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// One column to read and what it becomes.
+#[derive(Debug, PartialEq)]
+pub struct Mapped {
+    pub name: String,
+    pub column: Column,
+    pub scale: f64,
+}
+
+impl ColumnMap {
+    pub fn load(path: &Path) -> Result<Self, RecordingError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| match source.kind() {
+            std::io::ErrorKind::NotFound => RecordingError::NotFound { file: file.clone() },
+            _ => RecordingError::Io { file: file.clone(), action: "read", source },
+        })?;
+        Self::parse(&text, &file)
+    }
+
+    pub fn parse(text: &str, file: &str) -> Result<Self, RecordingError> {
+        let wrong = |what: String| RecordingError::ColumnMap { file: file.into(), what };
+        let mut map: ColumnMap = toml::from_str(text).map_err(|e| {
+            wrong(format!("{} (keys are explained in scenarios/columns)", e.to_string().trim()))
+        })?;
+        map.file = file.into();
+        map.mapped()?;
+        Ok(map)
+    }
+
+    pub fn layout(&self) -> Layout {
+        Layout {
+            delimiter: self.delimiter,
+            skip_rows: self.skip_rows,
+            decimal_comma: self.decimal == Decimal::Comma,
+        }
+    }
+
+    /// Every column to read besides time.
+    pub fn mapped(&self) -> Result<Vec<Mapped>, RecordingError> {
+        let wrong = |what: String| RecordingError::ColumnMap { file: self.file.clone(), what };
+        let mut all = Vec::new();
+        if self.channels.is_empty() {
+            return Err(wrong("[channels] is empty; name at least one signal".into()));
+        }
+        if !(self.time_scale.is_finite() && self.time_scale > 0.0) {
+            return Err(wrong(format!("time_scale is {}, must be positive", self.time_scale)));
+        }
+        if self.delimiter == Some(Delimiter::Comma) && self.decimal == Decimal::Comma {
+            return Err(wrong(
+                "decimal and delimiter are both a comma; name another delimiter".into(),
+            ));
+        }
+        for (stem, channels) in &self.channels {
+            let columns = channels.columns().map_err(|e| wrong(format!("channels.{stem}: {e}")))?;
+            let scales = channels.scales(columns.len());
+            let scales = scales.map_err(|e| wrong(format!("channels.{stem}: {e}")))?;
+            all.extend(
+                columns.into_iter().zip(scales).enumerate().map(|(j, (column, scale))| Mapped {
+                    name: format!("{stem}_{j}"),
+                    column,
+                    scale,
+                }),
+            );
+        }
+        Ok(all)
+    }
+}
+
+impl Channels {
+    fn columns(&self) -> Result<Vec<Column>, String> {
+        let columns: Vec<Column> = match (&self.columns, self.first, self.count) {
+            (Some(columns), None, None) => columns.clone(),
+            (None, Some(first), Some(count)) => {
+                (first..first.saturating_add(count.min(1000))).map(Column::Number).collect()
+            }
+            _ => return Err("give either columns = [...] or first = ... and count = ...".into()),
+        };
+        if columns.is_empty() {
+            return Err("no columns; name at least one".into());
+        }
+        if columns.contains(&Column::Number(0)) {
+            return Err("column 0; columns count from 1".into());
+        }
+        Ok(columns)
+    }
+
+    fn scales(&self, count: usize) -> Result<Vec<f64>, String> {
+        let scales = match &self.scale {
+            Scale::All(scale) => vec![*scale; count],
+            Scale::Each(scales) if scales.len() == count => scales.clone(),
+            Scale::Each(s) => return Err(format!("{} scales for {count} columns", s.len())),
+        };
+        match scales.iter().find(|s| !s.is_finite() || **s == 0.0) {
+            Some(scale) => Err(format!("scale {scale} must be a number other than zero")),
+            None => Ok(scales),
+        }
+    }
+}

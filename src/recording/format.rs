@@ -1,0 +1,71 @@
+//! The formats a recording is read from and written to. A new one is a file with an
+//! implementation of [`Format`] and a line in [`FORMATS`].
+
+use std::path::Path;
+
+use super::{ColumnMap, Delimiter, Recording, RecordingError, movement_folder, rtde_csv};
+
+/// Contract of a file format.
+pub trait Format: Sync {
+    fn name(&self) -> &'static str;
+    /// Whether this is the format to read `path` with; the first in [`FORMATS`] that says yes does.
+    fn reads(&self, path: &Path) -> bool;
+    fn read(&self, path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError>;
+    /// Endings of file names it is written under; empty if it is only read.
+    fn extensions(&self) -> &'static [&'static str] {
+        &[]
+    }
+    /// Called for a `path` with one of [`Format::extensions`].
+    fn write(
+        &self,
+        _recording: &Recording,
+        path: &Path,
+        _options: &WriteOptions,
+    ) -> Result<(), RecordingError> {
+        Err(unknown_extension(path))
+    }
+}
+
+/// Text is the last: it reads whatever is left.
+pub const FORMATS: &[&dyn Format] = &[&movement_folder::MovementFolder, &rtde_csv::RtdeCsv];
+
+#[derive(Debug, Clone, Default)]
+pub struct WriteOptions {
+    /// Comma if not given.
+    pub delimiter: Option<Delimiter>,
+}
+
+/// Reads a recording in whatever format it is; `columns` is the path of a column map.
+pub fn read(path: &Path, columns: Option<&Path>) -> Result<Recording, RecordingError> {
+    let map = columns.map(ColumnMap::load).transpose()?;
+    if !path.exists() {
+        return Err(RecordingError::NotFound { file: path.display().to_string() });
+    }
+    for format in FORMATS {
+        if format.reads(path) {
+            return format.read(path, map.as_ref());
+        }
+    }
+    Err(unknown_extension(path))
+}
+
+/// The format that writes under the name of `path`; checked before work begins.
+pub fn writer(path: &Path) -> Result<&'static dyn Format, RecordingError> {
+    let name = path.to_string_lossy().to_lowercase();
+    let fits = |f: &&dyn Format| f.extensions().iter().any(|e| name.ends_with(e));
+    FORMATS.iter().copied().find(fits).ok_or_else(|| unknown_extension(path))
+}
+
+/// Writes a recording in the format its file name ends in; whole or not at all.
+pub fn write(
+    recording: &Recording,
+    path: &Path,
+    options: &WriteOptions,
+) -> Result<(), RecordingError> {
+    writer(path)?.write(recording, path, options)
+}
+
+fn unknown_extension(path: &Path) -> RecordingError {
+    let known: Vec<_> = FORMATS.iter().flat_map(|f| f.extensions()).copied().collect();
+    RecordingError::UnknownExtension { file: path.display().to_string(), known: known.join(", ") }
+}

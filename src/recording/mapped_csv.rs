@@ -1,0 +1,77 @@
+//! CSV of any origin, its columns named by a [`ColumnMap`].
+
+use std::path::Path;
+
+use super::check::refuse_bad;
+use super::columns::{Column, Mapped};
+use super::text::Text;
+use super::{Channel, ColumnMap, Provenance, Recording, RecordingError, table};
+
+/// Reads the mapped columns of `path`; all others are left out.
+pub fn read(path: &Path, map: &ColumnMap) -> Result<Recording, RecordingError> {
+    let text = Text::open(path, &map.layout())?;
+    if let Some(expected) = map.file_columns.filter(|n| *n != text.width) {
+        let (file, row, found) = (text.file, text.first_line, text.width);
+        return Err(RecordingError::Ragged { file, row, found, expected });
+    }
+    let mapped = map.mapped()?;
+    let time = locate(&map.time, &text, map)?;
+    let columns: Vec<usize> =
+        mapped.iter().map(|m| locate(&m.column, &text, map)).collect::<Result<_, _>>()?;
+    let (wanted, slots) = distinct(time, &columns);
+    let mut table = table::read(&text, &wanted)?;
+    table.columns[0].iter_mut().for_each(|t| *t *= map.time_scale);
+    let channels = mapped.iter().zip(&slots).map(|(m, slot)| channel(m, &table.columns[*slot]));
+    let recording = Recording {
+        channels: channels.collect(),
+        time: std::mem::take(&mut table.columns[0]),
+        provenance: Provenance {
+            source: text.file.clone(),
+            format: format!("CSV, {}, columns by {}", text.delimiter.name(), map.file),
+            notes: table.notes,
+        },
+    };
+    refuse_bad(&recording, &text.column_name(time), &table.lines)?;
+    Ok(recording)
+}
+
+fn channel(mapped: &Mapped, values: &[f64]) -> Channel {
+    let values = values.iter().map(|v| v * mapped.scale).collect();
+    Channel { name: mapped.name.clone(), values }
+}
+
+/// Position (from 0) of a column of the map in the file.
+fn locate(column: &Column, text: &Text, map: &ColumnMap) -> Result<usize, RecordingError> {
+    let position = match (column, &text.header) {
+        (Column::Number(n), _) => n.checked_sub(1).filter(|c| *c < text.width),
+        (Column::Name(name), Some(names)) => {
+            text.refuse_duplicates()?;
+            names.iter().position(|n| n == name)
+        }
+        (Column::Name(_), None) => None,
+    };
+    position.ok_or_else(|| RecordingError::MissingColumn {
+        file: text.file.clone(),
+        column: match column {
+            Column::Number(n) => format!("{n} (named in {})", map.file),
+            Column::Name(name) => format!("{name:?} (named in {})", map.file),
+        },
+        found: text.found_columns(),
+        remedy: "correct the column map",
+    })
+}
+
+/// File columns to read, each once, time first; and where among them each mapped one is.
+fn distinct(time: usize, columns: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let mut wanted = vec![time];
+    let slots = columns
+        .iter()
+        .map(|c| {
+            wanted.iter().position(|w| w == c).unwrap_or_else(|| {
+                wanted.push(*c);
+                wanted.len() - 1
+            })
+        })
+        .collect();
+    (wanted, slots)
+}

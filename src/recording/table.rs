@@ -1,0 +1,299 @@
+//! Rows of numbers in a text file -> columns. Chunks of lines are parsed in parallel; what is
+//! wrong with a cell is collected on the way and judged once, in [`Table::settle`].
+
+use rayon::prelude::*;
+
+use super::RecordingError;
+use super::text::Text;
+
+/// No quantity of an arm is larger; memory garbage in real logs is (1e254).
+const LARGEST: f64 = 1e12;
+/// Times may be nanoseconds since 1970.
+const LARGEST_TIME: f64 = 1e20;
+/// Recorders start with memory garbage for a few rows; more than this is no start-up.
+const MOST_LEADING_ROWS: usize = 100;
+const BYTES_PER_CHUNK: usize = 1 << 17;
+
+/// Numbers of the wanted columns.
+#[derive(Debug)]
+pub struct Table {
+    pub columns: Vec<Vec<f64>>,
+    /// Line number (from 1) of every row.
+    pub lines: Vec<usize>,
+    /// What was dropped, one sentence each.
+    pub notes: Vec<String>,
+}
+
+#[derive(Debug)]
+struct Fault {
+    row: usize,
+    column: usize,
+    kind: FaultKind,
+}
+
+#[derive(Debug, PartialEq)]
+enum FaultKind {
+    /// As it stands in the file.
+    NotANumber(String),
+    /// NaN, infinite or beyond anything an arm does.
+    Garbage(f64),
+    Columns(usize),
+}
+
+#[derive(Default)]
+struct Chunk {
+    columns: Vec<Vec<f64>>,
+    /// From 0 within the chunk.
+    lines: Vec<usize>,
+    line_count: usize,
+    faults: Vec<Fault>,
+}
+
+/// Reads the columns `wanted` (from 0, the time column first) of every row of `text`.
+pub fn read(text: &Text, wanted: &[usize]) -> Result<Table, RecordingError> {
+    let mut slots = vec![None; text.width];
+    for (slot, column) in wanted.iter().enumerate() {
+        slots[*column] = Some(slot);
+    }
+    let body = &text.bytes[text.body..];
+    let parse = |part: &[u8]| match text.delimiter.byte() {
+        b',' => parse_chunk::<b','>(part, &slots, wanted.len()),
+        b'\t' => parse_chunk::<b'\t'>(part, &slots, wanted.len()),
+        b';' => parse_chunk::<b';'>(part, &slots, wanted.len()),
+        _ => parse_chunk::<b' '>(part, &slots, wanted.len()),
+    };
+    let chunks: Vec<Chunk> = split_lines(body).into_par_iter().map(parse).collect();
+    let (mut table, faults) = join(chunks, wanted.len(), text.lines_before_body);
+    table.settle(text, faults)?;
+    Ok(table)
+}
+
+/// Parts of about [`BYTES_PER_CHUNK`] that end at a line end.
+fn split_lines(mut body: &[u8]) -> Vec<&[u8]> {
+    let mut parts = Vec::with_capacity(body.len() / BYTES_PER_CHUNK + 1);
+    while body.len() > BYTES_PER_CHUNK {
+        let Some(end) = memchr::memchr(b'\n', &body[BYTES_PER_CHUNK..]) else { break };
+        let (part, rest) = body.split_at(BYTES_PER_CHUNK + end + 1);
+        parts.push(part);
+        body = rest;
+    }
+    parts.push(body);
+    parts
+}
+
+fn parse_chunk<const D: u8>(part: &[u8], slots: &[Option<usize>], wanted: usize) -> Chunk {
+    let rows = part.len() / (slots.len() * 8).max(1) + 1;
+    let mut chunk = Chunk { columns: vec![Vec::with_capacity(rows); wanted], ..Chunk::default() };
+    let mut start = 0;
+    while start < part.len() {
+        let end = memchr::memchr(b'\n', &part[start..]).map_or(part.len(), |n| start + n);
+        let line = trim(&part[start..end]);
+        if !line.is_empty() {
+            let row = chunk.lines.len();
+            chunk.lines.push(chunk.line_count);
+            if let Err((column, kind)) = parse_row::<D>(line, slots, &mut chunk.columns) {
+                chunk.columns.iter_mut().for_each(|c| c.resize(row + 1, f64::NAN));
+                chunk.faults.push(Fault { row, column, kind });
+            }
+        }
+        chunk.line_count += 1;
+        start = end + 1;
+    }
+    chunk
+}
+
+fn parse_row<const D: u8>(
+    line: &[u8],
+    slots: &[Option<usize>],
+    columns: &mut [Vec<f64>],
+) -> Result<(), (usize, FaultKind)> {
+    let ragged = || (0, FaultKind::Columns(count_cells::<D>(line)));
+    let mut at = 0;
+    let mut garbage = None;
+    for (c, slot) in slots.iter().enumerate() {
+        if at >= line.len() {
+            let empty = D != b' ' && c + 1 == slots.len() && line.ends_with(&[D]);
+            return Err(if empty { (c, FaultKind::NotANumber(String::new())) } else { ragged() });
+        }
+        let next = match slot {
+            None => cell_end::<D>(line, at),
+            Some(slot) => {
+                let (value, end) = number::<D>(line, at).ok_or_else(|| {
+                    let cell = String::from_utf8_lossy(&line[at..cell_end::<D>(line, at)]);
+                    (c, FaultKind::NotANumber(cell.trim().chars().take(40).collect()))
+                })?;
+                let largest = if *slot == 0 { LARGEST_TIME } else { LARGEST };
+                if !(value.abs() <= largest) && garbage.is_none() {
+                    garbage = Some((c, FaultKind::Garbage(value)));
+                }
+                columns[*slot].push(value);
+                end
+            }
+        };
+        at = after_delimiter::<D>(line, next);
+    }
+    if at < line.len() {
+        return Err(ragged());
+    }
+    garbage.map_or(Ok(()), Err)
+}
+
+/// The number that fills the cell beginning at `at`, and where the cell ends.
+#[inline]
+fn number<const D: u8>(line: &[u8], at: usize) -> Option<(f64, usize)> {
+    let (value, length) = fast_float2::parse_partial::<f64, _>(&line[at..]).ok()?;
+    let mut end = at + length;
+    while D != b' ' && line.get(end).is_some_and(|b| *b == b' ' || (*b == b'\t' && D != b'\t')) {
+        end += 1;
+    }
+    let full = line.get(end).is_none_or(|b| *b == D || (D == b' ' && *b == b'\t'));
+    (length > 0 && full).then_some((value, end))
+}
+
+fn cell_end<const D: u8>(line: &[u8], at: usize) -> usize {
+    let rest = &line[at..];
+    let length = match D {
+        b' ' => memchr::memchr2(b' ', b'\t', rest),
+        _ => memchr::memchr(D, rest),
+    };
+    at + length.unwrap_or(rest.len())
+}
+
+/// Where the next cell begins: past the delimiter and the blanks around it.
+#[inline]
+fn after_delimiter<const D: u8>(line: &[u8], end: usize) -> usize {
+    let mut at = if D == b' ' { end } else { end + 1 };
+    while line.get(at).is_some_and(|b| *b == b' ' || (*b == b'\t' && D != b'\t')) {
+        at += 1;
+    }
+    at
+}
+
+fn count_cells<const D: u8>(line: &[u8]) -> usize {
+    let (mut at, mut count) = (0, 0);
+    while at < line.len() {
+        at = after_delimiter::<D>(line, cell_end::<D>(line, at));
+        count += 1;
+    }
+    count
+}
+
+fn trim(line: &[u8]) -> &[u8] {
+    let end = line.iter().rposition(|b| !matches!(b, b' ' | b'\r')).map_or(0, |e| e + 1);
+    let start = line[..end].iter().position(|b| *b != b' ').unwrap_or(end);
+    &line[start..end]
+}
+
+/// The chunks' rows one after the other, with line numbers of the file.
+fn join(chunks: Vec<Chunk>, wanted: usize, lines_before: usize) -> (Table, Vec<Fault>) {
+    let mut lines = Vec::with_capacity(chunks.iter().map(|c| c.lines.len()).sum());
+    let mut faults = Vec::new();
+    let mut parts: Vec<Vec<Vec<f64>>> = Vec::with_capacity(chunks.len());
+    let mut first_line = lines_before + 1;
+    for chunk in chunks {
+        let first_row = lines.len();
+        faults.extend(chunk.faults.into_iter().map(|f| Fault { row: f.row + first_row, ..f }));
+        lines.extend(chunk.lines.iter().map(|l| first_line + l));
+        first_line += chunk.line_count;
+        parts.push(chunk.columns);
+    }
+    let column = |c: usize| {
+        let mut column = Vec::with_capacity(lines.len());
+        parts.iter().for_each(|part| column.extend_from_slice(&part[c]));
+        column
+    };
+    let columns = (0..wanted).into_par_iter().map(column).collect();
+    (Table { columns, lines, notes: Vec::new() }, faults)
+}
+
+impl Table {
+    pub fn rows(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// Drops a cut last line and leading garbage rows, with a note; refuses any other fault.
+    fn settle(&mut self, text: &Text, mut faults: Vec<Fault>) -> Result<(), RecordingError> {
+        self.drop_cut_last_line(text, &mut faults);
+        let leading = leading_garbage(&faults);
+        if let Some(fault) = faults.get(leading) {
+            let fault = if leading == MOST_LEADING_ROWS { &faults[0] } else { fault };
+            return Err(self.refusal(text, fault));
+        }
+        if leading > 0 {
+            self.drop_leading(text, leading, &faults[0]);
+        }
+        Ok(())
+    }
+
+    fn drop_cut_last_line(&mut self, text: &Text, faults: &mut Vec<Fault>) {
+        let Some(last) = self.rows().checked_sub(1) else { return };
+        let unfinished = text.bytes.last() != Some(&b'\n');
+        let short = faults.last().is_some_and(|f| {
+            f.row == last && matches!(f.kind, FaultKind::Columns(n) if n < text.width)
+        });
+        if !unfinished && !short {
+            return;
+        }
+        faults.retain(|f| f.row != last);
+        let line = self.lines[last];
+        self.notes.push(match short {
+            true => format!("dropped the cut last line {line}, which has too few columns"),
+            false => format!(
+                "dropped the last line {line}: it has no line end, so its last number may be cut"
+            ),
+        });
+        self.lines.truncate(last);
+        self.columns.iter_mut().for_each(|c| c.truncate(last));
+    }
+
+    fn drop_leading(&mut self, text: &Text, count: usize, first: &Fault) {
+        let FaultKind::Garbage(value) = first.kind else { return };
+        self.notes.push(format!(
+            "dropped {count} leading row(s), lines {} to {}, with values no arm has (line {}, \
+             column {}: {value:e})",
+            self.lines[0],
+            self.lines[count - 1],
+            self.lines[first.row],
+            text.column_name(first.column),
+        ));
+        self.lines.drain(..count);
+        self.columns.iter_mut().for_each(|c| drop(c.drain(..count)));
+    }
+
+    fn refusal(&self, text: &Text, fault: &Fault) -> RecordingError {
+        let (file, row) = (text.file.clone(), self.lines[fault.row]);
+        let column = text.column_name(fault.column);
+        let (what, remedy) = match &fault.kind {
+            FaultKind::Columns(found) => {
+                let (found, expected) = (*found, text.width);
+                return RecordingError::Ragged { file, row, found, expected };
+            }
+            FaultKind::NotANumber(cell) if cell.is_empty() => {
+                ("the cell is empty".into(), "fill it in or delete the row")
+            }
+            FaultKind::NotANumber(cell) => (
+                format!("{cell:?} is not a number"),
+                "mend or delete the row, or take only the columns you need with a column map \
+                 (--columns)",
+            ),
+            FaultKind::Garbage(v) if v.is_nan() => {
+                ("the value is NaN".into(), "fill it in or delete the row")
+            }
+            FaultKind::Garbage(v) => (
+                format!("the value {v:e} is beyond anything an arm does"),
+                "mend or delete the row",
+            ),
+        };
+        RecordingError::Cell { file, row, column, what, remedy }
+    }
+}
+
+/// How many rows at the very start hold garbage.
+fn leading_garbage(faults: &[Fault]) -> usize {
+    faults
+        .iter()
+        .enumerate()
+        .take(MOST_LEADING_ROWS)
+        .take_while(|(k, f)| f.row == *k && matches!(f.kind, FaultKind::Garbage(_)))
+        .count()
+}
