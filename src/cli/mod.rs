@@ -1,5 +1,6 @@
 //! The command line: one file per command, each with its `Args` and `run`.
 
+mod convert;
 mod effects;
 
 use std::process::ExitCode;
@@ -15,6 +16,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Convert(convert::Args),
     Effects(effects::Args),
 }
 
@@ -31,6 +33,7 @@ pub fn main() -> ExitCode {
 
 fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
+        Command::Convert(args) => convert::run(&args),
         Command::Effects(args) => effects::run(&args),
     }
 }

@@ -62,3 +62,6 @@ impl Recording {
         (!rows.is_empty()).then(|| JointSeries::from_joints(&rows))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,44 @@
+//! `armtwin convert`: any recording into another format.
+
+use std::path::PathBuf;
+
+use anyhow::bail;
+
+use crate::recording::{self, Delimiter, WriteOptions};
+
+/// Convert a recording of any supported format into another
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  armtwin convert Movement_No6 -o movement6.csv.gz
+  armtwin convert log.csv --columns scenarios/columns/ur10e_shamilmamedov.toml -o rtde.csv
+  armtwin convert rtde.csv -o for_the_official_client.csv --delimiter blank")]
+pub struct Args {
+    /// File, or folder with one log per signal
+    recording: PathBuf,
+    /// File to write: .csv or .csv.gz
+    #[arg(short, long, value_name = "FILE")]
+    out: PathBuf,
+    /// Column map (TOML) of a CSV without RTDE names
+    #[arg(long, value_name = "MAP")]
+    columns: Option<PathBuf>,
+    /// Between the columns written
+    #[arg(long, value_enum, default_value = "comma")]
+    delimiter: Delimiter,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    recording::writer(&args.out)?;
+    let same = |a: &PathBuf, b: &PathBuf| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
+    if same(&args.recording, &args.out) {
+        bail!("{}: would overwrite the recording; name another output", args.out.display());
+    }
+    let recording = recording::read(&args.recording, args.columns.as_deref())?;
+    for note in &recording.provenance.notes {
+        eprintln!("note: {note}");
+    }
+    let options = WriteOptions { delimiter: Some(args.delimiter) };
+    recording::write(&recording, &args.out, &options)?;
+    let (rows, columns) = (recording.time.len(), recording.channels.len() + 1);
+    println!("{}: {rows} samples, {columns} columns", args.out.display());
+    Ok(())
+}
