@@ -20,6 +20,7 @@ impl Effect for Coulomb {
                 role: Role::Linear,
             }],
             memory: 0,
+            dissipates: true,
             cause: "dry friction in gears, bearings and seals",
             remedy: "add the level as dry friction (URDF friction, MuJoCo frictionloss)",
             source: "Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994, section 2",

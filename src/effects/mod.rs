@@ -5,9 +5,19 @@
 
 mod catalogue;
 mod coulomb;
+mod current_offset;
+mod load_friction;
+mod payload;
+mod rotor_inertia;
 mod stribeck;
+mod viscous;
+mod viscous_cubic;
+mod viscous_quadratic;
 
-pub use catalogue::{CATALOGUE, find};
+#[cfg(test)]
+mod tests;
+
+pub use catalogue::{CATALOGUE, find, names};
 
 use crate::robot::Robot;
 use crate::series::JointSeries;
@@ -53,6 +63,8 @@ pub struct About {
     pub parameters: &'static [Parameter],
     /// How many numbers [`Effect::act`] remembers per joint from step to step.
     pub memory: usize,
+    /// Never gives energy to the arm, for any values within the bounds: tau qd >= 0.
+    pub dissipates: bool,
     /// One line each, for people.
     pub cause: &'static str,
     pub remedy: &'static str,

@@ -33,6 +33,7 @@ impl Effect for Stribeck {
                 },
             ],
             memory: 0,
+            dissipates: true,
             cause: "lubricant film that builds up with speed: static friction exceeds Coulomb",
             remedy: "make the dry level depend on speed; no common simulator format holds it",
             source: "Armstrong-Helouvry et al., Automatica 30(7), 1994; the paper's Eq. 1",

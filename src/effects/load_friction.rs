@@ -1,0 +1,45 @@
+//! Load-dependent friction: tau = mu sign(qd) |tau_load|, tau_load what the gear transmits.
+//!
+//! Explained with the rigid body's torque as the load (what is behind the gear: friction and
+//! rotor inertia lie on the motor's side).
+
+use super::coulomb::sign;
+use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use crate::robot::inverse_dynamics_series;
+
+pub struct LoadFriction;
+
+impl Effect for LoadFriction {
+    fn about(&self) -> &'static About {
+        &About {
+            name: "load_friction",
+            scope: Scope::Joint,
+            parameters: &[Parameter {
+                name: "load_friction",
+                symbol: "mu",
+                unit: "-",
+                min: 0.0,
+                max: 0.4,
+                typical: 0.06,
+                null: 0.0,
+                role: Role::Linear,
+            }],
+            memory: 0,
+            dissipates: true,
+            cause: "teeth and bearings press harder under load: friction grows with the torque",
+            remedy: "add mu |joint torque| to the dry level in every step; no simulator format \
+                     holds it",
+            source: "Hamon, Gautier, Garrec, IROS 2010; Wahrburg et al., IFAC World Congress 2018",
+        }
+    }
+
+    fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {
+        let load = inverse_dynamics_series(motion.robot, motion.q, motion.qd, motion.qdd);
+        let both = load.joint(joint).iter().zip(motion.qd.joint(joint));
+        vec![both.map(|(load, &qd)| sign(qd) * load.abs()).collect()]
+    }
+
+    fn act(&self, values: &[f64], state: &JointState, _: &mut [f64], load: &mut JointLoad) {
+        load.dry += values[0] * state.transmitted.abs();
+    }
+}

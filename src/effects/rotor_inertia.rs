@@ -1,0 +1,37 @@
+//! Rotor inertia as seen at the joint: tau = Ja qdd, Ja = N^2 J_motor.
+
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope};
+
+pub struct RotorInertia;
+
+impl Effect for RotorInertia {
+    fn about(&self) -> &'static About {
+        &About {
+            name: "rotor_inertia",
+            scope: Scope::Joint,
+            parameters: &[Parameter {
+                name: "rotor_inertia",
+                symbol: "Ja",
+                unit: "kg.m2",
+                min: 0.0,
+                max: 10.0,
+                typical: 1.0,
+                null: 0.0,
+                role: Role::Linear,
+            }],
+            memory: 0,
+            dissipates: false,
+            cause: "motor and wave generator turn gear-ratio times faster than the joint",
+            remedy: "add it as armature (MuJoCo armature, rapier armature) or to [drive] rotor_inertia of the twin",
+            source: "Siciliano et al., Robotics: Modelling, Planning and Control, 2009, section 7.1.1; gyroscopic terms left out",
+        }
+    }
+
+    fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {
+        vec![motion.qdd.joint(joint).to_vec()]
+    }
+
+    fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
+        mechanism.armature[joint] += values[0];
+    }
+}

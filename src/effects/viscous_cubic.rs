@@ -1,0 +1,37 @@
+//! Cubic viscous friction: tau = F3 qd^3.
+
+use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+
+pub struct ViscousCubic;
+
+impl Effect for ViscousCubic {
+    fn about(&self) -> &'static About {
+        &About {
+            name: "viscous_cubic",
+            scope: Scope::Joint,
+            parameters: &[Parameter {
+                name: "viscous_cubic",
+                symbol: "F3",
+                unit: "N.m.s3/rad3",
+                min: -20.0,
+                max: 20.0,
+                typical: 0.5,
+                null: 0.0,
+                role: Role::Linear,
+            }],
+            memory: 0,
+            dissipates: false,
+            cause: "curvature of viscous friction over speed: lubricant that thins (F3 < 0) or churns (F3 > 0)",
+            remedy: "make the damping depend on speed, Fv + F3 qd^2; no common simulator format holds it",
+            source: "the paper's Eq. 1, last term of the viscous friction; sign as fitted",
+        }
+    }
+
+    fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {
+        vec![motion.qd.joint(joint).iter().map(|&qd| qd * qd * qd).collect()]
+    }
+
+    fn act(&self, values: &[f64], state: &JointState, _: &mut [f64], load: &mut JointLoad) {
+        load.damping += values[0] * state.qd * state.qd;
+    }
+}
