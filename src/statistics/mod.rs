@@ -1,1 +1,29 @@
 //! Covariances, tests and intervals; no I/O, no randomness of its own.
+//!
+//! The entry point is [`infer`]: estimates, the Jacobian of the prediction, the residual and when
+//! each row was taken -> three conventions side by side. The robust one is the one to believe.
+
+mod autocorrelation;
+mod bootstrap;
+mod design;
+mod error;
+mod goodness;
+mod inference;
+mod kernel;
+mod long_run;
+mod noise;
+mod tail;
+
+pub use autocorrelation::{LjungBox, autocorrelation, effective_samples, ljung_box};
+pub use bootstrap::{block_bootstrap, block_length};
+pub use design::{Design, Direction};
+pub use error::StatisticsError;
+pub use goodness::Goodness;
+pub use inference::{Inference, Inferences, infer};
+pub use kernel::{Bandwidth, Kernel, long_run_covariance};
+pub use long_run::{LongRun, long_run_variance};
+pub use noise::{noise_from_differences, noise_from_periodogram};
+pub use tail::{PValue, normal_quantile, normal_two_sided, student_quantile, student_two_sided};
+
+#[cfg(test)]
+mod tests;
