@@ -25,20 +25,22 @@ impl Drive {
         Self { gear_ratio, torque_constant, rotor_inertia, current_limit: None, torque_limit: None }
     }
 
-    /// The published drive of a built-in arm; there is one for the UR5 only (the paper's section
-    /// 4.2: gear ratio 101 and torque constants of the six motors).
+    /// The paper's UR5 (section 4.2: gear ratio 101 and torque constants of the six motors).
+    pub fn ur5() -> Self {
+        Self::new(vec![101.0; 6], vec![0.135, 0.136, 0.135, 0.095, 0.086, 0.089])
+    }
+
+    /// The published drive of a built-in arm; there is one for the UR5 only.
     ///
     /// # Errors
     /// For every other arm, saying what the twin must give.
     pub fn for_robot(name: &str, dof: usize) -> Result<Self, RobotError> {
         match name {
-            "ur5" | "ur5-as-printed" if dof == 6 => {
-                Ok(Self::new(vec![101.0; 6], vec![0.135, 0.136, 0.135, 0.095, 0.086, 0.089]))
-            }
+            "ur5" | "ur5-as-printed" if dof == 6 => Ok(Self::ur5()),
             _ => Err(RobotError::Drive(format!(
                 "no torque constants are published for `{name}`; give gear_ratio and \
-                 torque_constant (N.m/A, one per joint or one for all) under [drive] in the twin, \
-                 or use recordings with joint_torque_* columns"
+                 torque_constant (N.m/A, one per joint or one for all) under [drive]; any will do, \
+                 say 1, where recordings have joint_torque_* columns"
             ))),
         }
     }

@@ -4,7 +4,7 @@ mod ur10;
 mod ur10e;
 mod ur3;
 mod ur3e;
-mod ur5;
+pub mod ur5;
 mod ur5_as_printed;
 mod ur5e;
 

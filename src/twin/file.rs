@@ -1,0 +1,236 @@
+//! `TWIN.toml`: read, checked key by key, written back.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::Twin;
+use crate::effects::{self, Parameter, Scope};
+use crate::files::write_whole;
+use crate::robot::{self, Drive, Robot, RobotError};
+
+/// Names the file, and the key where there is one.
+#[derive(Debug, thiserror::Error)]
+pub enum TwinError {
+    #[error("{}: cannot read the twin: {source}", file.display())]
+    Read { file: PathBuf, source: io::Error },
+    #[error("{}: cannot write the twin: {source}", file.display())]
+    Write { file: PathBuf, source: io::Error },
+    /// Not TOML, or a key or type that does not belong there.
+    #[error("{}: {problem}", file.display())]
+    Syntax { file: PathBuf, problem: String },
+    #[error("{}: `{key}` {problem}", file.display())]
+    Value { file: PathBuf, key: String, problem: String },
+    #[error("{}: `robot`: {source}", file.display())]
+    Robot { file: PathBuf, source: RobotError },
+    #[error("{}: `[drive]`: {source}", file.display())]
+    Drive { file: PathBuf, source: RobotError },
+}
+
+/// The file as written; what is left out takes the UR5's value where there is one.
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct Contents {
+    robot: Option<String>,
+    drive: DriveTable,
+    twin: TwinTable,
+}
+
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct DriveTable {
+    gear_ratio: Option<PerJoint>,
+    torque_constant: Option<PerJoint>,
+    rotor_inertia: Option<PerJoint>,
+    current_limit: Option<PerJoint>,
+    torque_limit: Option<PerJoint>,
+}
+
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct TwinTable {
+    effects: Option<Vec<String>>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    values: BTreeMap<String, PerJoint>,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(untagged, expecting = "a number for all joints or a list with one number per joint")]
+enum PerJoint {
+    All(f64),
+    Each(Vec<f64>),
+}
+
+impl PerJoint {
+    fn expand(&self, count: usize) -> Vec<f64> {
+        match self {
+            PerJoint::All(value) => vec![*value; count],
+            PerJoint::Each(values) => values.clone(),
+        }
+    }
+}
+
+impl Twin {
+    /// Reads and checks a `TWIN.toml`. A URDF's path counts from the folder of the file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is not TOML, has an unknown key, or a value does not fit.
+    pub fn load(path: &Path) -> Result<Self, TwinError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| TwinError::Read { file: path.into(), source })?;
+        Self::parse(&text, path)
+    }
+
+    /// From the text of a `TWIN.toml`; `file` is for messages and relative paths.
+    ///
+    /// # Errors
+    /// As [`Twin::load`].
+    pub fn parse(text: &str, file: &Path) -> Result<Self, TwinError> {
+        let contents: Contents = toml::from_str(text).map_err(|e| TwinError::Syntax {
+            file: file.into(),
+            problem: e.to_string().trim_end().to_string(),
+        })?;
+        let (source, robot) = read_robot(contents.robot, file)?;
+        let drive = contents
+            .drive
+            .on(&source, robot.dof())
+            .map_err(|source| TwinError::Drive { file: file.into(), source })?;
+        let wrong = |(key, problem)| TwinError::Value { file: file.into(), key, problem };
+        let effects = contents.twin.effects.unwrap_or_else(|| Self::default().effects);
+        check_effects(&effects).map_err(wrong)?;
+        let values = check_values(&contents.twin.values, &effects, robot.dof()).map_err(wrong)?;
+        Ok(Self { source, robot, drive, effects, values })
+    }
+
+    /// The text of a `TWIN.toml` that [`Twin::parse`] reads back as the same twin.
+    pub fn to_toml(&self) -> String {
+        let each = |v: &Vec<f64>| Some(PerJoint::Each(v.clone()));
+        let drive = DriveTable {
+            gear_ratio: each(&self.drive.gear_ratio),
+            torque_constant: each(&self.drive.torque_constant),
+            rotor_inertia: each(&self.drive.rotor_inertia),
+            current_limit: self.drive.current_limit.as_ref().and_then(each),
+            torque_limit: self.drive.torque_limit.as_ref().and_then(each),
+        };
+        let values = self.values.iter().map(|(k, v)| (k.clone(), PerJoint::Each(v.clone())));
+        let twin = TwinTable { effects: Some(self.effects.clone()), values: values.collect() };
+        let contents = Contents { robot: Some(self.source.clone()), drive, twin };
+        // Strings, lists and numbers under fixed keys: nothing TOML cannot hold.
+        toml::to_string(&contents).unwrap_or_default()
+    }
+
+    /// Writes `to_toml` under `path`, whole or not at all.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn save(&self, path: &Path) -> Result<(), TwinError> {
+        write_whole(path, |out| out.write_all(self.to_toml().as_bytes()))
+            .map_err(|source| TwinError::Write { file: path.into(), source })
+    }
+}
+
+/// The built-in arm, or the URDF with its path made absolute, so that a twin saved elsewhere
+/// finds it.
+fn read_robot(name: Option<String>, file: &Path) -> Result<(String, Robot), TwinError> {
+    let name = name.unwrap_or_else(|| Twin::default().source);
+    let beside = file.parent().unwrap_or(Path::new("")).join(&name);
+    let source = match robot::builtin(&name) {
+        None if beside.exists() => {
+            std::path::absolute(&beside).unwrap_or(beside).display().to_string()
+        }
+        _ => name,
+    };
+    let robot =
+        robot::load(&source).map_err(|source| TwinError::Robot { file: file.into(), source })?;
+    Ok((source, robot))
+}
+
+impl DriveTable {
+    fn on(&self, robot: &str, dof: usize) -> Result<Drive, RobotError> {
+        let each = |v: &Option<PerJoint>| v.as_ref().map(|v| v.expand(dof));
+        let mut drive = match (each(&self.gear_ratio), each(&self.torque_constant)) {
+            (Some(gear_ratio), Some(torque_constant)) => Drive::new(gear_ratio, torque_constant),
+            (gear_ratio, torque_constant) => {
+                let known = Drive::for_robot(robot, dof)?;
+                Drive {
+                    gear_ratio: gear_ratio.unwrap_or(known.gear_ratio),
+                    torque_constant: torque_constant.unwrap_or(known.torque_constant),
+                    ..known
+                }
+            }
+        };
+        if let Some(rotor_inertia) = each(&self.rotor_inertia) {
+            drive.rotor_inertia = rotor_inertia;
+        }
+        drive.current_limit = each(&self.current_limit).or(drive.current_limit);
+        drive.torque_limit = each(&self.torque_limit).or(drive.torque_limit);
+        drive.check(dof)?;
+        Ok(drive)
+    }
+}
+
+/// Key and what is wrong with it.
+type Wrong = (String, String);
+
+fn check_effects(names: &[String]) -> Result<(), Wrong> {
+    for (i, name) in names.iter().enumerate() {
+        let wrong = |problem| Err(("twin.effects".to_string(), problem));
+        if effects::find(name).is_none() {
+            let known = effects::names();
+            return wrong(format!("has the unknown effect `{name}`; choose from {known}"));
+        }
+        if names[..i].contains(name) {
+            return wrong(format!("lists `{name}` twice; drop one"));
+        }
+    }
+    Ok(())
+}
+
+/// Every value belongs to a listed effect and fits its parameter.
+fn check_values(
+    given: &BTreeMap<String, PerJoint>,
+    effects: &[String],
+    dof: usize,
+) -> Result<BTreeMap<String, Vec<f64>>, Wrong> {
+    let abouts: Vec<_> =
+        effects.iter().filter_map(|name| effects::find(name)).map(|e| e.about()).collect();
+    let parameters = || abouts.iter().flat_map(|a| a.parameters.iter().map(|p| (a.scope, p)));
+    let mut values = BTreeMap::new();
+    for (name, value) in given {
+        let Some((scope, parameter)) = parameters().find(|(_, p)| p.name == name) else {
+            let known: Vec<_> = parameters().map(|(_, p)| p.name).collect();
+            let problem = format!(
+                "belongs to none of the effects in twin.effects; their parameters are {}",
+                known.join(", ")
+            );
+            return Err((format!("twin.values.{name}"), problem));
+        };
+        let count = if scope == Scope::Arm { 1 } else { dof };
+        let each = value.expand(count);
+        check_value(parameter, &each, count)
+            .map_err(|problem| (format!("twin.values.{name}"), problem))?;
+        values.insert(name.clone(), each);
+    }
+    Ok(values)
+}
+
+fn check_value(parameter: &Parameter, values: &[f64], count: usize) -> Result<(), String> {
+    if values.len() != count {
+        return Err(format!(
+            "has {} values, {count} expected: give {}",
+            values.len(),
+            if count == 1 { "one for the whole arm" } else { "one per joint or one for all" }
+        ));
+    }
+    let signed = |v: f64| v >= 0.0 || parameter.min < 0.0;
+    let positive = |v: f64| v > 0.0 || parameter.min <= 0.0;
+    match values.iter().find(|&&v| !(v.is_finite() && signed(v) && positive(v))) {
+        None => Ok(()),
+        Some(v) => Err(format!(
+            "has the value {v}; physical values are {} to {} {}",
+            parameter.min, parameter.max, parameter.unit
+        )),
+    }
+}

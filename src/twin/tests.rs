@@ -1,0 +1,131 @@
+//! Reading, refusing, writing back, and the torque of a twin.
+
+use std::path::Path;
+
+use super::*;
+
+fn parse(text: &str) -> Result<Twin, String> {
+    Twin::parse(text, Path::new("some/TWIN.toml")).map_err(|e| e.to_string())
+}
+
+/// The message for a bad file names the file and each of `parts`.
+fn assert_refused(text: &str, parts: &[&str]) {
+    let message = parse(text).expect_err(text);
+    for part in ["some/TWIN.toml"].iter().chain(parts) {
+        assert!(message.contains(part), "{text}\n{message}\nlacks {part}");
+    }
+}
+
+#[test]
+fn what_is_left_out_is_the_ur5() {
+    assert_eq!(parse("").unwrap(), Twin::default());
+    let twin = Twin::default();
+    assert_eq!((twin.robot.name.as_str(), twin.robot.dof()), ("ur5", 6));
+    assert_eq!(twin.drive.torque_per_ampere(1), 101.0 * 0.136);
+    assert_eq!(twin.open().count(), 2);
+    assert_eq!(twin.known().count(), 0);
+}
+
+#[test]
+fn a_number_stands_for_all_joints() {
+    let twin = parse(
+        "[drive]\nrotor_inertia = 1\n[twin]\neffects = [\"coulomb\", \"payload\"]\n\
+         [twin.values]\ncoulomb = 5\npayload_mass = 2.5\n",
+    )
+    .unwrap();
+    assert_eq!(twin.drive.rotor_inertia, [1.0; 6]);
+    assert_eq!(twin.drive.torque_constant, Twin::default().drive.torque_constant);
+    assert_eq!(twin.values["coulomb"], [5.0; 6]);
+    assert_eq!(twin.values["payload_mass"], [2.5]);
+    let known: Vec<_> = twin.known().map(|e| e.about().name).collect();
+    let open: Vec<_> = twin.open().map(|e| e.about().name).collect();
+    assert_eq!((known, open), (vec!["coulomb"], vec!["payload"]));
+}
+
+#[test]
+fn bad_files_are_refused_by_key() {
+    assert_refused("robot = ", &["line 1"]);
+    assert_refused("robto = \"ur5\"", &["robto", "robot", "drive"]);
+    assert_refused("robot = \"ur6\"", &["robot", "ur6", "ur10e"]);
+    assert_refused("robot = \"ur10e\"", &["[drive]", "torque_constant", "ur10e"]);
+    assert_refused("[drive]\ngear = 3", &["gear", "gear_ratio"]);
+    assert_refused("[drive]\ngear_ratio = \"high\"", &["gear_ratio", "a number for all joints"]);
+    assert_refused("[drive]\ngear_ratio = [101, 101]", &["gear_ratio", "2", "6"]);
+    assert_refused("[drive]\ntorque_constant = 0", &["torque_constant", "joint 1"]);
+    assert_refused("[drive]\nrotor_inertia = nan", &["rotor_inertia"]);
+    let two = "[twin]\neffects = [\"coulomb\", \"coulomb\"]";
+    assert_refused(two, &["twin.effects", "twice"]);
+    let unknown = "[twin]\neffects = [\"magic\"]";
+    assert_refused(unknown, &["twin.effects", "magic", "viscous_cubic"]);
+    assert_refused("[twin.values]\nmagic = 1", &["twin.values.magic", "coulomb, viscous"]);
+    assert_refused("[twin.values]\ncoulomb = [1, 2]", &["twin.values.coulomb", "2", "6"]);
+    assert_refused("[twin.values]\ncoulomb = -1", &["twin.values.coulomb", "-1", "0 to"]);
+    assert_refused("[twin.values]\nviscous = inf", &["twin.values.viscous", "inf"]);
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let message = Twin::load(Path::new("no/such.toml")).unwrap_err().to_string();
+    assert!(message.contains("no/such.toml"), "{message}");
+}
+
+#[test]
+fn writes_what_it_reads() {
+    let mut twin = Twin::default();
+    twin.effects.push("stribeck".into());
+    twin.drive.rotor_inertia = vec![1.1, 1.1, 1.1, 0.14, 0.14, 0.1 + 0.2];
+    twin.drive.torque_limit = Some(vec![150.0; 6]);
+    for (name, value) in [("coulomb", 1.0 / 3.0), ("stribeck_velocity", 0.05)] {
+        twin.values.insert(name.into(), vec![value; 6]);
+    }
+    assert_eq!(parse(&twin.to_toml()).unwrap(), twin, "{}", twin.to_toml());
+}
+
+#[test]
+fn a_urdf_counts_from_the_folder_of_the_twin() {
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = crate::robot::urdf::write(&Twin::default().robot);
+    std::fs::write(folder.path().join("arm.urdf"), urdf).unwrap();
+    let file = folder.path().join("twin.toml");
+    let drive = "[drive]\ngear_ratio = 100\ntorque_constant = 0.1\n";
+    std::fs::write(&file, format!("robot = \"arm.urdf\"\n{drive}")).unwrap();
+    let twin = Twin::load(&file).unwrap();
+    assert_eq!(twin.robot.dof(), 6);
+    let elsewhere = tempfile::tempdir().unwrap();
+    let saved = elsewhere.path().join("saved.toml");
+    twin.save(&saved).unwrap();
+    assert_eq!(Twin::load(&saved).unwrap(), twin);
+}
+
+#[test]
+fn shipped_twins_load() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/twins");
+    for (name, inertia) in [("ur5", 1.1), ("ur5_paper", 0.0), ("ur10e", 0.0)] {
+        let twin = Twin::load(&folder.join(name).with_extension("toml")).unwrap();
+        assert!(name.starts_with(&twin.robot.name), "{name}");
+        assert_eq!(twin.drive.rotor_inertia[0], inertia, "{name}");
+    }
+    assert_eq!(Twin::load(&folder.join("ur5_paper.toml")).unwrap(), Twin::default());
+}
+
+/// Inverse dynamics has its own tests; here, what is added to it, by hand.
+#[test]
+fn torque_is_rigid_body_rotor_and_known_effects() {
+    let one = |x: f64| JointSeries::from_joints(&vec![vec![x]; 6]);
+    let (q, qd, qdd) = (one(0.3), one(-0.5), one(2.0));
+    let bare = Twin::default();
+    let motion = Motion::new(&bare.robot, 0.01, &q, &qd, &qdd);
+    let mut twin = bare.clone();
+    twin.drive.rotor_inertia = vec![1.1; 6];
+    twin.effects.push("stribeck".into());
+    for (name, value) in [("coulomb", 5.0), ("stribeck_excess", 9.0)] {
+        twin.values.insert(name.into(), vec![value; 6]);
+    }
+    let rigid = inverse_dynamics_series(&bare.robot, &q, &qd, &qdd);
+    assert_eq!(bare.torque(&motion), rigid);
+    for joint in 0..6 {
+        // Viscous and Stribeck lack values: 1.1 x 2 - 5.
+        let added = twin.torque(&motion).joint(joint)[0] - rigid.joint(joint)[0];
+        assert!((added - (2.2 - 5.0)).abs() < 1e-9, "joint {}: {added}", joint + 1);
+    }
+}
