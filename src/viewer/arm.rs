@@ -1,4 +1,4 @@
-//! The arm in 3D: links as capsules between joint origins, joints as cylinders on their axes,
+//! The arm in 3D, in the shapes its URDF has: hubs about the joint axes and tubes between them,
 //! one nested entity per body whose pose relative to its parent changes over time.
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -9,7 +9,8 @@ use rerun::{
 
 use super::palette::{self, Rgb};
 use super::{Error, log_error};
-use crate::robot::{Placement, Robot};
+use crate::robot::urdf::visual::{self, Cylinder, Shape};
+use crate::robot::{Placement, Robot, flange_placement};
 use crate::series::JointSeries;
 
 /// Poses per second in 3D; the plots keep every sample.
@@ -121,36 +122,31 @@ fn isometry(placement: &Placement) -> Isometry3<f64> {
     Isometry3::from_parts(translation, UnitQuaternion::from_rotation_matrix(&rotation))
 }
 
-/// Flange position in the base frame, m.
-pub(super) fn flange_position(robot: &Robot, q: &[f64]) -> Vector3<f64> {
-    let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(robot.dof());
-    for (body, &angle) in q.iter().enumerate() {
-        let local = pose_in_parent(robot, body, angle);
-        poses.push(robot.bodies[body].parent.map_or(local, |p| poses[p] * local));
-    }
-    let last = poses.last().copied().unwrap_or_else(Isometry3::identity);
-    (last * isometry(&robot.flange)).translation.vector
-}
-
 fn log_path(
     stream: &RecordingStream,
     robot: &Robot,
     look: &Look,
     q: &JointSeries,
 ) -> Result<(), Error> {
-    let stride = q.samples().div_ceil(PATH_POINTS);
-    let mut sample = vec![0.0; q.joints()];
-    let points: Vec<[f32; 3]> = (0..q.samples())
-        .step_by(stride.max(1))
-        .map(|k| {
-            q.sample_into(k, &mut sample);
-            xyz(&flange_position(robot, &sample))
-        })
-        .collect();
+    let points: Vec<_> = flange_path(robot, q).iter().map(xyz).collect();
     let strip = LineStrips3D::new([points])
         .with_colors([Color::from(look.joint)])
         .with_radii([Radius::new_ui_points(0.8)]);
     stream.log_static(format!("{}/flange_path", look.root), &strip).map_err(log_error)
+}
+
+/// Flange positions in the base frame, m, where all joint angles are known.
+fn flange_path(robot: &Robot, q: &JointSeries) -> Vec<Vector3<f64>> {
+    let stride = q.samples().div_ceil(PATH_POINTS).max(1);
+    let mut sample = vec![0.0; q.joints()];
+    let mut path = Vec::new();
+    for k in (0..q.samples()).step_by(stride) {
+        q.sample_into(k, &mut sample);
+        if sample.iter().all(|x| x.is_finite()) {
+            path.push(flange_placement(robot, &sample).translation);
+        }
+    }
+    path
 }
 
 fn log_shapes(
@@ -160,75 +156,82 @@ fn log_shapes(
     body: usize,
     entity: &str,
 ) -> Result<(), Error> {
-    let radius = look.swell * tube_radius(robot, body);
-    let ends = ends(robot, body);
-    let capsules = Capsules3D::from_lengths_and_radii(
-        ends.iter().map(|e| e.norm() as f32),
-        ends.iter().map(|_| radius as f32),
-    )
-    .with_quaternions(ends.iter().map(|e| quaternion(&z_onto(e))))
-    .with_colors([look.link.translucent(look.alpha)])
-    .with_fill_mode(FillMode::Solid);
-    stream.log_static(format!("{entity}/link"), &capsules).map_err(log_error)?;
-    let along = z_onto(&robot.bodies[body].joint.axis);
-    let housing = (2.6 * radius, 1.2 * radius);
-    log_cylinder(stream, &format!("{entity}/joint"), housing, 0.0, &along, look)
-}
-
-/// Where the links of a body end, in its frame: its children's joints, or the flange.
-fn ends(robot: &Robot, body: usize) -> Vec<Vector3<f64>> {
-    let children = robot.bodies.iter().filter(|b| b.parent == Some(body));
-    let mut ends: Vec<_> = children.map(|b| b.joint.placement.translation).collect();
-    if body + 1 == robot.dof() {
-        ends.push(robot.flange.translation);
+    let Shape { hub, tubes } = visual::body(robot, body);
+    log_tubes(stream, &format!("{entity}/link"), &tubes, look)?;
+    match hub {
+        Some(hub) => log_hub(stream, &format!("{entity}/joint"), &hub, look),
+        None => Ok(()),
     }
-    ends
 }
 
+/// A foot about the first joint's axis, and what stands between it and that joint.
 fn log_base(stream: &RecordingStream, robot: &Robot, look: &Look) -> Result<(), Error> {
-    let radius = look.swell * 1.5 * tube_radius(robot, 0);
-    let foot = (0.6 * radius, radius);
-    let upright = UnitQuaternion::identity();
-    log_cylinder(stream, &format!("{}/foot", look.root), foot, 0.3 * radius, &upright, look)
+    log_tubes(stream, &format!("{}/base", look.root), &visual::base(robot), look)?;
+    let Some(Cylinder { radius, .. }) = visual::body(robot, 0).hub else { return Ok(()) };
+    let height = 0.5 * radius;
+    let placement =
+        Placement { translation: Vector3::new(0.0, 0.0, 0.5 * height), ..Placement::identity() };
+    let foot = Cylinder { placement, radius: 1.2 * radius, length: height };
+    log_hub(stream, &format!("{}/foot", look.root), &foot, look)
 }
 
-/// A cylinder of `(length, radius)`, m, centred `height` up the z axis and turned by `along`.
-fn log_cylinder(
+fn log_hub(
     stream: &RecordingStream,
     entity: &str,
-    (length, radius): (f64, f64),
-    height: f64,
-    along: &UnitQuaternion<f64>,
+    hub: &Cylinder,
     look: &Look,
 ) -> Result<(), Error> {
-    let cylinder = Cylinders3D::from_lengths_and_radii([length as f32], [radius as f32])
-        .with_centers([[0.0, 0.0, height as f32]])
-        .with_quaternions([quaternion(along)])
-        .with_colors([look.joint.translucent(look.alpha)])
-        .with_fill_mode(FillMode::Solid);
+    let length = hub.length + 2.0 * (look.swell - 1.0) * hub.radius;
+    let cylinder =
+        Cylinders3D::from_lengths_and_radii([length as f32], [(look.swell * hub.radius) as f32])
+            .with_centers([xyz(&hub.placement.translation)])
+            .with_quaternions([quaternion(&isometry(&hub.placement).rotation)])
+            .with_colors([look.joint.translucent(look.alpha)])
+            .with_fill_mode(FillMode::Solid);
     stream.log_static(entity, &cylinder).map_err(log_error)
 }
 
-/// Thick at the base, slender at the wrist, in proportion to the arm.
-fn tube_radius(robot: &Robot, body: usize) -> f64 {
-    let towards_wrist = body as f64 / (robot.dof().max(2) - 1) as f64;
-    reach(robot) * (0.055 - 0.025 * towards_wrist)
+/// Tubes have round ends, which close the corners between them.
+fn log_tubes(
+    stream: &RecordingStream,
+    entity: &str,
+    tubes: &[Cylinder],
+    look: &Look,
+) -> Result<(), Error> {
+    let start = |c: &Cylinder| {
+        let Placement { rotation, translation } = c.placement;
+        translation - rotation * Vector3::new(0.0, 0.0, c.length / 2.0)
+    };
+    let capsules = Capsules3D::from_lengths_and_radii(
+        tubes.iter().map(|c| c.length as f32),
+        tubes.iter().map(|c| (look.swell * c.radius) as f32),
+    )
+    .with_translations(tubes.iter().map(|c| xyz(&start(c))))
+    .with_quaternions(tubes.iter().map(|c| quaternion(&isometry(&c.placement).rotation)))
+    .with_colors([look.link.translucent(look.alpha)])
+    .with_fill_mode(FillMode::Solid);
+    stream.log_static(entity, &capsules).map_err(log_error)
 }
 
-/// Sum of the distances between consecutive joints, m: an upper bound of what the arm reaches.
-pub(super) fn reach(robot: &Robot) -> f64 {
+/// Where the arm works, for the camera.
+pub struct Frame {
+    /// Between the base and the mean of the flange path, m.
+    pub centre: Vector3<f64>,
+    /// Horizontal unit vector from the base towards the flange path.
+    pub ahead: Vector3<f64>,
+    /// Sum of the distances between consecutive joints, m.
+    pub reach: f64,
+}
+
+pub fn frame(robot: &Robot, q: &JointSeries) -> Frame {
+    let path = flange_path(robot, q);
+    let mean = path.iter().sum::<Vector3<f64>>() / path.len().max(1) as f64;
+    let ahead = Vector3::new(mean.x, mean.y, 0.0).try_normalize(1e-6).unwrap_or(Vector3::x());
     let links: f64 = robot.bodies.iter().map(|b| b.joint.placement.translation.norm()).sum();
-    links + robot.flange.translation.norm()
+    Frame { centre: mean / 2.0, ahead, reach: links + robot.flange.translation.norm() }
 }
 
-/// The rotation that takes z to `direction`; any of them where that is opposite, none for zero.
-fn z_onto(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
-    UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(|| {
-        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-    })
-}
-
-fn xyz(v: &Vector3<f64>) -> [f32; 3] {
+pub fn xyz(v: &Vector3<f64>) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 

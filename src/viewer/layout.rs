@@ -3,6 +3,7 @@
 //! The library's own builders cannot set the camera, legend or axes of a view, so the blueprint
 //! store is written directly: a tree of containers and views, each with its properties.
 
+use nalgebra::Vector3;
 use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
 use rerun::external::re_sdk_types::blueprint::archetypes as bp;
 use rerun::external::re_sdk_types::blueprint::components::{
@@ -91,10 +92,12 @@ fn plot(c: &Comparison, joint: usize, quantity: &Quantity) -> Node {
 }
 
 fn view_3d(c: &Comparison) -> Node {
-    let reach = arm::reach(&c.robot) as f32;
+    let arm::Frame { centre, ahead, reach } = arm::frame(&c.robot, &c.recorded.q);
+    let side = ahead.cross(&Vector3::z());
+    let eye = centre + reach * (1.1 * side + 0.4 * ahead + 0.5 * Vector3::z());
     let eye = bp::EyeControls3D::new()
-        .with_position([0.8 * reach, -reach, 0.75 * reach])
-        .with_look_target([0.0, 0.0, 0.25 * reach])
+        .with_position(arm::xyz(&eye))
+        .with_look_target(arm::xyz(&centre))
         .with_eye_up([0.0, 0.0, 1.0]);
     let background =
         bp::Background::new(BackgroundKind::SolidColor).with_color(palette::BACKGROUND);

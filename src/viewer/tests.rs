@@ -3,53 +3,15 @@
 use std::collections::BTreeMap;
 use std::process::Command;
 
-use nalgebra::{Matrix3, Vector3};
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::log::{Chunk, LogMsg};
 
 use super::*;
-use crate::robot::{Body, Inertia, Joint, Limits, Placement, Robot};
+use crate::robot::Robot;
 use crate::series::JointSeries;
 
-/// d, a, alpha of a six-axis arm like a UR5.
-const DH: [(f64, f64, f64); 6] = [
-    (0.089, 0.0, 1.0),
-    (0.0, -0.425, 0.0),
-    (0.0, -0.392, 0.0),
-    (0.109, 0.0, 1.0),
-    (0.095, 0.0, -1.0),
-    (0.082, 0.0, 0.0),
-];
-
 fn arm() -> Robot {
-    let mut placement = Placement::identity();
-    let mut bodies = Vec::new();
-    for (i, (d, a, quarter)) in DH.into_iter().enumerate() {
-        bodies.push(body(i, placement));
-        placement = Placement {
-            rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, -quarter, 0.0, quarter, 0.0),
-            translation: Vector3::new(a, 0.0, d),
-        };
-        if quarter == 0.0 {
-            placement.rotation = Matrix3::identity();
-        }
-    }
-    Robot { name: "six".into(), bodies, gravity: Vector3::new(0.0, 0.0, -9.81), flange: placement }
-}
-
-fn body(i: usize, placement: Placement) -> Body {
-    let limits = Limits { lower: -6.0, upper: 6.0, velocity: 3.0, effort: 150.0 };
-    Body {
-        name: format!("link {}", i + 1),
-        parent: i.checked_sub(1),
-        joint: Joint {
-            name: format!("joint_{}", i + 1),
-            placement,
-            axis: Vector3::z_axis(),
-            limits,
-        },
-        inertia: Inertia { mass: 1.0, com: Vector3::zeros(), about_com: Matrix3::identity() },
-    }
+    crate::robot::builtin("ur5").unwrap()
 }
 
 fn series(time: &[f64], f: impl Fn(usize, f64) -> f64) -> JointSeries {
@@ -156,13 +118,13 @@ fn curves_hold_the_values_they_are_named_after() {
 
 #[test]
 fn both_arms_move_until_the_end_at_no_more_than_the_pose_rate() {
-    let (_folder, path) = written(&comparison(1001));
+    let comparison = comparison(1001);
+    let (_folder, path) = written(&comparison);
     let found = chunks(&path);
     for side in ["recorded", "simulated"] {
-        let bodies: Vec<_> =
-            (1..=6).map(|n| (1..=n).map(|i| format!("/link\\ {i}")).collect::<String>()).collect();
-        for body in bodies {
-            let entity = format!("/arm/{side}{body}");
+        let mut entity = format!("/arm/{side}");
+        for body in &comparison.robot.bodies {
+            entity += &format!("/{}", body.name);
             let (rows, last) = extent(&found[&entity]);
             assert!((190..=242).contains(&rows) && last == 8.0, "{entity}: {rows} rows to {last}");
             assert!(found.contains_key(&format!("{entity}/link")), "{entity} has a shape");
@@ -190,14 +152,31 @@ fn the_arrangement_comes_along_and_is_active() {
     assert_eq!(views.count(), 2 + 4 * 6 + 6 * plots::QUANTITIES.len());
 }
 
+/// Composes what the file says about each body's pose in its parent at one row.
 #[test]
-fn the_flange_of_a_stretched_arm_is_where_the_table_says() {
-    let stretched = arm::flange_position(&arm(), &[0.0; 6]);
-    let expected = Vector3::new(-0.425 - 0.392, -0.109 - 0.082, 0.089 - 0.095);
-    assert!((stretched - expected).norm() < 1e-12, "{stretched}");
-    let quarter = arm::flange_position(&arm(), &[std::f64::consts::FRAC_PI_2, 0., 0., 0., 0., 0.]);
-    let turned = Vector3::new(-expected.y, expected.x, expected.z);
-    assert!((quarter - turned).norm() < 1e-12, "{quarter}");
+fn poses_in_the_file_are_those_of_the_kinematics() {
+    use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+    let comparison = comparison(1);
+    let (_folder, path) = written(&comparison);
+    let found = chunks(&path);
+    let mut entity = String::from("/arm/simulated");
+    let mut pose = Isometry3::<f64>::identity();
+    let q: Vec<f64> = (0..6).map(|j| comparison.simulated.q.joint(j)[0]).collect();
+    let expected = crate::robot::body_placements(&comparison.robot, &q);
+    for (body, expected) in comparison.robot.bodies.iter().zip(expected) {
+        entity += &format!("/{}", body.name);
+        let timed = found[&entity].iter().find(|c| !c.is_static()).unwrap();
+        let translation = rerun::Transform3D::descriptor_translation().component;
+        let quaternion = rerun::Transform3D::descriptor_quaternion().component;
+        let t = timed.iter_slices::<[f32; 3]>(translation).next().unwrap()[0].map(f64::from);
+        let [x, y, z, w] =
+            timed.iter_slices::<[f32; 4]>(quaternion).next().unwrap()[0].map(f64::from);
+        let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+        pose *= Isometry3::from_parts(Translation3::new(t[0], t[1], t[2]), turn);
+        let gap = (pose.translation.vector - expected.translation).norm();
+        let turned = (pose.rotation.to_rotation_matrix().matrix() - expected.rotation).norm();
+        assert!(gap < 1e-6 && turned < 1e-6, "{entity}: {gap} m, {turned}");
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ mod check;
 mod read;
 #[cfg(test)]
 mod tests;
-mod visual;
+pub mod visual;
 mod write;
 
 pub use read::{read, read_file};

@@ -5,7 +5,8 @@ use nalgebra::{Rotation3, Vector3};
 use crate::robot::{Placement, Robot};
 
 /// Along z of its own frame, centred.
-pub(super) struct Cylinder {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cylinder {
     pub placement: Placement,
     /// m
     pub radius: f64,
@@ -13,11 +14,20 @@ pub(super) struct Cylinder {
     pub length: f64,
 }
 
+/// A body to look at, in its own frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// About the joint's axis.
+    pub hub: Option<Cylinder>,
+    /// From the axis to the next joint.
+    pub tubes: Vec<Cylinder>,
+}
+
 /// kg/m^3: hubs of this density, as high as wide, look like the real joints.
 const DENSITY: f64 = 2500.0;
 
 /// From the base to the first joint.
-pub(super) fn base(robot: &Robot) -> Vec<Cylinder> {
+pub fn base(robot: &Robot) -> Vec<Cylinder> {
     let Some(first) = robot.bodies.first() else { return Vec::new() };
     let end = first.joint.placement.translation;
     between(Vector3::zeros(), end, radius(first.inertia.mass)).into_iter().collect()
@@ -25,7 +35,7 @@ pub(super) fn base(robot: &Robot) -> Vec<Cylinder> {
 
 /// A hub about the joint's axis, then tubes to the next joint (or the flange) that leave the axis
 /// at the height of the centre of mass.
-pub(super) fn body(robot: &Robot, i: usize) -> Vec<Cylinder> {
+pub fn body(robot: &Robot, i: usize) -> Shape {
     let body = &robot.bodies[i];
     let axis = body.joint.axis.into_inner();
     let radius = radius(body.inertia.mass);
@@ -34,9 +44,8 @@ pub(super) fn body(robot: &Robot, i: usize) -> Vec<Cylinder> {
     let lifted = end - axis * axis.dot(&end) + height;
     let hub = between(height - axis * radius, height + axis * radius, radius);
     let tubes = [(Vector3::zeros(), height), (height, lifted), (lifted, end)];
-    hub.into_iter()
-        .chain(tubes.into_iter().filter_map(|(a, b)| between(a, b, 0.7 * radius)))
-        .collect()
+    let tubes = tubes.into_iter().filter_map(|(a, b)| between(a, b, 0.7 * radius)).collect();
+    Shape { hub, tubes }
 }
 
 fn next_frame(robot: &Robot, i: usize) -> Vector3<f64> {

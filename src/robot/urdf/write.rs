@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::visual::{self, Cylinder};
+use super::visual::{self, Cylinder, Shape};
 use crate::robot::{Body, Inertia, Joint, Placement, Robot};
 
 /// Name of the fixed root link, the arm's base frame.
@@ -15,9 +15,10 @@ pub fn write(robot: &Robot) -> String {
     let mut text = String::from("<?xml version=\"1.0\"?>\n");
     text += "<!-- Made by `armtwin urdf`; inertial frames have the axes of their links. -->\n";
     let _ = writeln!(text, "<robot name=\"{}\">", escape(&robot.name));
-    text += &link(BASE, None, &visual::base(robot));
+    text += &link(BASE, None, visual::base(robot));
     for (i, body) in robot.bodies.iter().enumerate() {
-        text += &link(&body.name, Some(&body.inertia), &visual::body(robot, i));
+        let Shape { hub, tubes } = visual::body(robot, i);
+        text += &link(&body.name, Some(&body.inertia), hub.into_iter().chain(tubes));
         let parent = body.parent.map_or(BASE, |p| &robot.bodies[p].name);
         text += &joint(&body.joint, parent, body);
     }
@@ -26,7 +27,11 @@ pub fn write(robot: &Robot) -> String {
     text + "</robot>\n"
 }
 
-fn link(name: &str, inertia: Option<&Inertia>, cylinders: &[Cylinder]) -> String {
+fn link(
+    name: &str,
+    inertia: Option<&Inertia>,
+    cylinders: impl IntoIterator<Item = Cylinder>,
+) -> String {
     let mut text = format!("  <link name=\"{}\">\n", escape(name));
     if let Some(inertia) = inertia {
         text += &inertial(inertia);
