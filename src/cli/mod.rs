@@ -2,6 +2,8 @@
 
 mod convert;
 mod effects;
+mod robots;
+mod urdf;
 
 use std::process::ExitCode;
 
@@ -18,6 +20,8 @@ struct Cli {
 enum Command {
     Convert(convert::Args),
     Effects(effects::Args),
+    Robots(robots::Args),
+    Urdf(urdf::Args),
 }
 
 /// Runs the program: 0 done, 1 the work could not be done, 2 wrong usage.
@@ -35,5 +39,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Convert(args) => convert::run(&args),
         Command::Effects(args) => effects::run(&args),
+        Command::Robots(args) => robots::run(&args),
+        Command::Urdf(args) => urdf::run(&args),
     }
 }

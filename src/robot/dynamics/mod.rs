@@ -6,6 +6,8 @@
 
 mod energy;
 mod forward;
+#[cfg(test)]
+mod golden;
 mod gravity;
 mod inverse;
 mod jacobian;

@@ -44,7 +44,9 @@ pub fn body(robot: &Robot, i: usize) -> Shape {
     let lifted = end - axis * axis.dot(&end) + height;
     let hub = between(height - axis * radius, height + axis * radius, radius);
     let tubes = [(Vector3::zeros(), height), (height, lifted), (lifted, end)];
-    let tubes = tubes.into_iter().filter_map(|(a, b)| between(a, b, 0.7 * radius)).collect();
+    let tubes = tubes.into_iter().filter_map(|(a, b)| between(a, b, 0.7 * radius));
+    // Shorter ones are hidden in the hub.
+    let tubes = tubes.filter(|t| t.length > radius).collect();
     Shape { hub, tubes }
 }
 
