@@ -35,7 +35,8 @@ fn single_calls(c: &mut Criterion) {
 fn series(c: &mut Criterion) {
     let robot = builtin("ur5").expect("built in");
     let wave = |phase: f64| {
-        let row = |j| (0..6000).map(|k| (phase + 0.01 * f64::from(k) + f64::from(j)).sin());
+        let row =
+            |j: i32| (0..6000).map(move |k| (phase + 0.01 * f64::from(k) + f64::from(j)).sin());
         JointSeries::from_joints(&(0..6).map(|j| row(j).collect()).collect::<Vec<Vec<f64>>>())
     };
     let (q, qd, qdd) = (wave(0.0), wave(1.0), wave(2.0));
