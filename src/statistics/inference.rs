@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{
-    Design, LongRun, PValue, StatisticsError, long_run_variance, normal_two_sided,
-    student_quantile, student_two_sided,
+    Design, LongRun, PValue, StatisticsError, cosine_covariance, model_covariance,
+    normal_two_sided, student_quantile, student_two_sided,
 };
 
 /// The paper's multiplier of the standard error for 99 %.
@@ -70,22 +70,34 @@ pub fn infer(
     let asymptotic = parameters.clone().map(|k| of(k, white(k), dof, t)).collect();
     let paper = parameters.clone().map(|k| of(k, white(k) / n.sqrt(), f64::INFINITY, PAPER_Z));
     let paper = paper.collect();
+    let candidates = robust_covariances(&design, &residual, slots);
     let robust = parameters.map(|k| {
-        let LongRun { variance, dof } = robust(&design, k, &residual, slots);
-        of(k, variance.sqrt(), dof, student_quantile(alpha, dof))
+        let by =
+            |c: &LongRun| of(k, c.covariance[(k, k)].sqrt(), c.dof, student_quantile(alpha, c.dof));
+        wider(candidates.each_ref().map(by))
     });
     let robust = robust.collect();
     Ok(Inferences { robust, asymptotic, paper, design, sigma: sigma2.sqrt() })
 }
 
-/// The estimate is a sum of influences, beta - beta_true = sum_t psi_t with psi_t = w_t e_t and w
-/// the parameter's row of the pseudo-inverse: its variance is their long-run variance.
-fn robust(design: &Design, k: usize, residual: &DVector<f64>, slots: &[usize]) -> LongRun {
-    let influence = design.weights(k).component_mul(residual);
-    let LongRun { variance, dof } = long_run_variance(influence.as_slice(), slots);
-    let n = residual.len() as f64;
-    let lost = n / (n - design.rank() as f64);
-    LongRun { variance: variance * lost, dof: dof.min(n - design.rank() as f64).max(1.0) }
+/// (J^T J)^-1 Cov(J^T e) (J^T J)^-1 twice: without a model of e, and with an autoregression.
+fn robust_covariances(design: &Design, residual: &DVector<f64>, slots: &[usize]) -> [LongRun; 2] {
+    let basis = design.basis();
+    let (n, rank) = (residual.len() as f64, design.rank() as f64);
+    let mut scores = basis.clone();
+    scores.column_iter_mut().for_each(|mut c| c.component_mul_assign(residual));
+    let free = cosine_covariance(&scores, slots);
+    let model = model_covariance(basis, residual.as_slice(), slots);
+    let of_parameters = |c: LongRun, lost: f64| LongRun {
+        covariance: design.sandwich(&c.covariance) * lost,
+        dof: c.dof.min(n - rank),
+    };
+    [of_parameters(free, n / (n - rank)), of_parameters(model, 1.0)]
+}
+
+/// Each estimator misses what the other sees, and both err by being too narrow.
+fn wider([a, b]: [Inference; 2]) -> Inference {
+    if b.high - b.low > a.high - a.low { b } else { a }
 }
 
 fn estimate(value: f64, null: f64, se: f64, dof: f64, multiplier: f64, known: bool) -> Inference {

@@ -4,6 +4,7 @@
 //! each row was taken -> three conventions side by side. The robust one is the one to believe.
 
 mod autocorrelation;
+mod autoregression;
 mod bootstrap;
 mod design;
 mod error;
@@ -15,15 +16,18 @@ mod noise;
 mod tail;
 
 pub use autocorrelation::{LjungBox, autocorrelation, effective_samples, ljung_box};
+pub use autoregression::{Autoregression, contiguous};
 pub use bootstrap::{block_bootstrap, block_length};
 pub use design::{Design, Direction};
 pub use error::StatisticsError;
 pub use goodness::Goodness;
 pub use inference::{Inference, Inferences, infer};
 pub use kernel::{Bandwidth, Kernel, long_run_covariance};
-pub use long_run::{LongRun, long_run_variance};
+pub use long_run::{LongRun, cosine_covariance, model_covariance};
 pub use noise::{noise_from_differences, noise_from_periodogram};
 pub use tail::{PValue, normal_quantile, normal_two_sided, student_quantile, student_two_sided};
 
+#[cfg(test)]
+mod coverage;
 #[cfg(test)]
 mod tests;
