@@ -10,7 +10,6 @@
 //! linear in all but w_s.
 
 use std::fmt;
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::bounds::{Bounds, BoundsError};
@@ -58,14 +57,16 @@ pub struct JointProblem {
     pub joint: usize,
     /// Between neighbours in a run, s.
     pub dt: f64,
-    /// What the rigid twin leaves unexplained, N.m.
+    /// F(tau), N.m.
+    pub measured: Vec<f64>,
+    /// What the rigid twin leaves unexplained of it, N.m.
     pub y: Vec<f64>,
     pub columns: Vec<Column>,
     pub curve: Option<Curve>,
     /// |velocity| at the kept samples, rad/s.
     pub speed: Vec<f64>,
-    /// Samples without a gap between them.
-    pub runs: Vec<Range<usize>>,
+    /// When each sample was taken, in steps of `dt`: masked samples leave gaps.
+    pub slots: Vec<usize>,
 }
 
 impl Curve {
@@ -119,6 +120,12 @@ impl JointProblem {
                 .collect(),
             None => columns.collect(),
         }
+    }
+
+    pub fn parameters_mut(&mut self) -> Vec<&mut Parameter> {
+        let curve = self.curve.iter_mut();
+        let bent = curve.flat_map(|c| [&mut c.coulomb, &mut c.static_level, &mut c.velocity]);
+        bent.chain(self.columns.iter_mut().map(|c| &mut c.parameter)).collect()
     }
 
     /// # Errors

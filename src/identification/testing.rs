@@ -55,7 +55,8 @@ pub fn problem(n: usize, noise: f64, filtered: bool) -> JointProblem {
         dt: 48.0 / y.len() as f64,
         columns: columns.collect(),
         speed: reduced(&speed).iter().map(|w| w.abs()).collect(),
-        runs: vec![0..y.len()],
+        slots: (0..y.len()).collect(),
+        measured: y.clone(),
         y,
         curve: Some(Curve {
             coulomb: parameter("coulomb", 0.0, 60.0),

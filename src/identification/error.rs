@@ -1,0 +1,37 @@
+//! What can go wrong between samples and estimates.
+
+use thiserror::Error;
+
+use super::bounds::BoundsError;
+use crate::signals::SignalError;
+use crate::statistics::StatisticsError;
+
+#[derive(Debug, Error)]
+pub enum IdentificationError {
+    #[error("the recording has {samples} joints but the twin's robot has {robot}")]
+    Joints { samples: usize, robot: usize },
+    #[error("no term `{name}`; there are {known}")]
+    UnknownTerm { name: String, known: String },
+    #[error(
+        "`{effect}` has the nonlinear parameter `{parameter}`, which identify does not search \
+         for; give it in the twin's [values] or leave the term out"
+    )]
+    Nonlinear { effect: String, parameter: String },
+    #[error("the twin gives {found} values for `{name}` where {expected} belong")]
+    Values { name: String, found: usize, expected: usize },
+    #[error("there is nothing to fit: name terms with --terms")]
+    NoTerms,
+    #[error("no parameter `{name}` is fitted, so it has no bounds to set; there are {known}")]
+    UnknownBound { name: String, known: String },
+    #[error(
+        "no joint slides: no usable sample is faster than {threshold} rad/s; record a motion, or \
+         lower --standstill"
+    )]
+    NothingSlides { threshold: f64 },
+    #[error(transparent)]
+    Bounds(#[from] BoundsError),
+    #[error(transparent)]
+    Signals(#[from] SignalError),
+    #[error(transparent)]
+    Statistics(#[from] StatisticsError),
+}

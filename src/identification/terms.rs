@@ -1,0 +1,77 @@
+//! Which effects are fitted: names from the catalogue.
+
+use super::error::IdentificationError;
+use crate::effects::{self, Effect, Scope};
+use crate::twin::Twin;
+
+/// The paper's Eq. 1.
+pub const PAPER_LAW: [&str; 5] =
+    ["coulomb", "stribeck", "viscous", "viscous_quadratic", "viscous_cubic"];
+
+/// Effects whose parameters are searched for, in the order of the catalogue.
+#[derive(Clone)]
+pub struct Terms {
+    fitted: Vec<&'static dyn Effect>,
+}
+
+impl Terms {
+    /// By catalogue name; `paper` is short for Eq. 1 and `offset` for `current_offset`. Where a
+    /// Stribeck curve is fitted, so is the Coulomb level it bends.
+    ///
+    /// # Errors
+    /// For a name that is not in the catalogue, or none at all.
+    pub fn named<'a>(
+        names: impl IntoIterator<Item = &'a str>,
+    ) -> Result<Self, IdentificationError> {
+        let mut wanted = Vec::new();
+        for name in names {
+            match name.trim() {
+                "paper" => wanted.extend(PAPER_LAW),
+                "offset" => wanted.push("current_offset"),
+                "stribeck" => wanted.extend(["stribeck", "coulomb"]),
+                other => wanted.push(other),
+            }
+        }
+        if let Some(unknown) = wanted.iter().find(|n| effects::find(n).is_none()) {
+            let known = format!("{}, paper, offset", effects::names());
+            return Err(IdentificationError::UnknownTerm { name: unknown.to_string(), known });
+        }
+        let is_wanted = |e: &&'static dyn Effect| wanted.contains(&e.about().name);
+        let fitted: Vec<_> = effects::CATALOGUE.iter().copied().filter(is_wanted).collect();
+        if fitted.is_empty() { Err(IdentificationError::NoTerms) } else { Ok(Self { fitted }) }
+    }
+
+    /// Eq. 1, rotor inertia and current offset: what a real arm needs at least.
+    ///
+    /// # Errors
+    /// None as long as the catalogue holds these names.
+    pub fn usual() -> Result<Self, IdentificationError> {
+        Self::named(PAPER_LAW.into_iter().chain(["rotor_inertia", "current_offset"]))
+    }
+
+    /// What `twin` models and gives no values for, and `more`.
+    ///
+    /// # Errors
+    /// As [`Terms::named`].
+    pub fn of_twin(twin: &Twin, more: &[String]) -> Result<Self, IdentificationError> {
+        let unknown = |name: &&String| {
+            let parameters = effects::find(name).map_or(&[][..], |e| e.about().parameters);
+            parameters.is_empty() || parameters.iter().any(|p| !twin.values.contains_key(p.name))
+        };
+        let of_twin = twin.effects.iter().filter(unknown);
+        Self::named(of_twin.chain(more).map(String::as_str))
+    }
+
+    pub fn names(&self) -> Vec<&'static str> {
+        self.fitted.iter().map(|e| e.about().name).collect()
+    }
+
+    pub fn contains(&self, name: &str) -> bool {
+        self.names().contains(&name)
+    }
+
+    /// Effects of one joint or of the whole arm.
+    pub fn with_scope(&self, scope: Scope) -> impl Iterator<Item = &'static dyn Effect> + '_ {
+        self.fitted.iter().copied().filter(move |e| e.about().scope == scope)
+    }
+}
