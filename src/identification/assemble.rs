@@ -6,8 +6,7 @@ use std::sync::Arc;
 use super::error::IdentificationError;
 use super::problem::{Column, Curve, JointProblem, Parameter, Reduce};
 use super::terms::Terms;
-use crate::effects::{self, Effect, Motion, Role, Scope};
-use crate::robot::inverse_dynamics_series;
+use crate::effects::{self, About, Motion, Role, Scope};
 use crate::series::JointSeries;
 use crate::signals::{LowPass, Rows, Samples};
 use crate::twin::Twin;
@@ -42,7 +41,7 @@ pub fn assemble(
         return Err(IdentificationError::Joints { samples: samples.joints(), robot });
     }
     let assembly = Assembly { samples, twin, terms, motion: motion(samples, twin) };
-    let known = assembly.known_torque()?;
+    let known = assembly.known_torque();
     let filter = samples.torque_filter()?;
     let mut arm = ArmProblem { joints: vec![], shared: vec![], shared_columns: vec![] };
     for joint in 0..robot {
@@ -62,8 +61,7 @@ pub fn assemble(
 }
 
 fn motion<'a>(samples: &'a Samples, twin: &'a Twin) -> Motion<'a> {
-    let mut motion =
-        Motion::new(&twin.robot, samples.dt, &samples.q, &samples.qd, &samples.qdd);
+    let mut motion = Motion::new(&twin.robot, samples.dt, &samples.q, &samples.qd, &samples.qdd);
     motion.temperature = samples.temperature.as_ref();
     motion
 }
@@ -88,68 +86,22 @@ struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    /// Rigid body, rotor inertia and effects with given values, N.m.
-    fn known_torque(&self) -> Result<JointSeries, IdentificationError> {
-        let Motion { q, qd, qdd, .. } = self.motion;
-        let mut torque = inverse_dynamics_series(&self.twin.robot, q, qd, qdd);
-        for joint in 0..self.samples.joints() {
-            let rotor = self.twin.drive.rotor_inertia[joint];
-            if !self.terms.contains("rotor_inertia") && !self.gives("rotor_inertia") {
-                super::kernels::axpy(rotor, qdd.joint(joint), torque.joint_mut(joint));
-            }
-            for effect in self.known_effects() {
-                self.add_known(effect, joint, torque.joint_mut(joint))?;
-            }
+    /// What the twin knows, N.m: rigid body, rotor inertia, effects with given values; without
+    /// what is fitted.
+    fn known_torque(&self) -> JointSeries {
+        let mut twin = self.twin.clone();
+        let fitted = [Scope::Joint, Scope::Arm].into_iter().flat_map(|s| self.terms.with_scope(s));
+        for effect in fitted {
+            effect.about().parameters.iter().for_each(|p| drop(twin.values.remove(p.name)));
         }
-        Ok(torque)
+        if self.terms.contains("rotor_inertia") {
+            twin.drive.rotor_inertia.fill(0.0);
+        }
+        twin.torque(&self.motion)
     }
 
     fn gives(&self, parameter: &str) -> bool {
         self.twin.values.contains_key(parameter)
-    }
-
-    /// Effects the twin models with values for all parameters, and that are not fitted.
-    fn known_effects(&self) -> impl Iterator<Item = &'static dyn Effect> {
-        let all_given = |e: &&'static dyn Effect| {
-            let about = e.about();
-            let given = about.parameters.iter().all(|p| self.gives(p.name));
-            given && !self.terms.contains(about.name)
-        };
-        effects::CATALOGUE.iter().copied().filter(all_given)
-    }
-
-    fn add_known(
-        &self,
-        effect: &dyn Effect,
-        joint: usize,
-        torque: &mut [f64],
-    ) -> Result<(), IdentificationError> {
-        let about = effect.about();
-        let value = |name: &str| self.value(name, joint, about.scope);
-        let of_role = |role: Role| about.parameters.iter().filter(move |p| p.role == role);
-        let nonlinear: Vec<f64> =
-            of_role(Role::Nonlinear).map(|p| value(p.name)).collect::<Result<_, _>>()?;
-        let columns = effect.columns(&self.motion, joint, &nonlinear);
-        for (parameter, column) in of_role(Role::Linear).zip(&columns) {
-            super::kernels::axpy(value(parameter.name)?, column, torque);
-        }
-        Ok(())
-    }
-
-    /// The twin's value of a parameter at a joint.
-    fn value(&self, name: &str, joint: usize, scope: Scope) -> Result<f64, IdentificationError> {
-        let values = self.twin.values.get(name).map_or(&[][..], Vec::as_slice);
-        let (index, expected) = match scope {
-            Scope::Joint => (joint, self.samples.joints()),
-            Scope::Arm => (0, 1),
-        };
-        match values.get(index) {
-            Some(&value) if values.len() == expected => Ok(value),
-            _ => {
-                let found = values.len();
-                Err(IdentificationError::Values { name: name.into(), found, expected })
-            }
-        }
     }
 
     fn joint(
@@ -196,21 +148,25 @@ impl Assembly<'_> {
             if self.curved() && ["coulomb", "stribeck"].contains(&about.name) {
                 continue;
             }
-            let mut nonlinear = Vec::new();
-            for p in about.parameters.iter().filter(|p| p.role == Role::Nonlinear) {
-                if !self.gives(p.name) {
-                    return Err(IdentificationError::Nonlinear {
-                        effect: about.name.into(),
-                        parameter: p.name.into(),
-                    });
-                }
-                nonlinear.push(self.value(p.name, joint, scope)?);
-            }
+            let nonlinear = self.nonlinear(about, joint)?;
             let linear = about.parameters.iter().filter(|p| p.role == Role::Linear);
             let columns = effect.columns(&self.motion, joint, &nonlinear);
             all.extend(linear.map(searched).zip(columns));
         }
         Ok(all)
+    }
+
+    /// Values the twin gives for an effect's nonlinear parameters.
+    fn nonlinear(&self, about: &About, joint: usize) -> Result<Vec<f64>, IdentificationError> {
+        let at = if about.scope == Scope::Arm { 0 } else { joint };
+        let given = |p: &effects::Parameter| {
+            let value = self.twin.values.get(p.name).and_then(|v| v.get(at)).copied();
+            value.ok_or_else(|| IdentificationError::Nonlinear {
+                effect: about.name.into(),
+                parameter: p.name.into(),
+            })
+        };
+        about.parameters.iter().filter(|p| p.role == Role::Nonlinear).map(given).collect()
     }
 
     /// Is a Stribeck velocity searched for?

@@ -17,8 +17,6 @@ pub enum IdentificationError {
          for; give it in the twin's [values] or leave the term out"
     )]
     Nonlinear { effect: String, parameter: String },
-    #[error("the twin gives {found} values for `{name}` where {expected} belong")]
-    Values { name: String, found: usize, expected: usize },
     #[error("there is nothing to fit: name terms with --terms")]
     NoTerms,
     #[error("no parameter `{name}` is fitted, so it has no bounds to set; there are {known}")]

@@ -33,28 +33,44 @@ struct Findings {
 ///
 /// # Errors
 /// If residual or Jacobian is not finite.
-pub fn judge(
-    problem: &JointProblem,
-    x: &[f64],
-) -> Result<Vec<ParameterEstimate>, StatisticsError> {
+pub fn judge(problem: &JointProblem, x: &[f64]) -> Result<Vec<ParameterEstimate>, StatisticsError> {
     let parameters: Vec<Parameter> = problem.parameters().into_iter().cloned().collect();
-    if problem.samples() < parameters.len() + 10 {
+    if too_few(problem) {
         return Ok(unknown(&parameters, x, &too_short(problem)));
     }
-    let residual: Vec<f64> =
-        problem.y.iter().zip(problem.predict(x)).map(|(y, p)| y - p).collect();
     let columns = problem.sensitivity(x);
-    let mut estimates = estimate(&parameters, x, &columns, &residual, &problem.slots)?;
-    if problem.curve.is_some() {
-        let excess = excess(problem, x, &columns, &residual)?;
+    let residual = problem.residual(x);
+    let estimates = estimate(&parameters, x, &columns, &residual, &problem.slots)?;
+    let excess = match WithExcess::of(problem, x, &columns) {
+        Some(w) => Some(
+            estimate(&w.parameters, &w.x, &w.columns, &residual, &problem.slots)?.swap_remove(1),
+        ),
+        None => None,
+    };
+    Ok(finish(problem, x, estimates, excess))
+}
+
+/// Fewer samples than an interval can rest on.
+pub fn too_few(problem: &JointProblem) -> bool {
+    problem.samples() < problem.parameters().len() + 10
+}
+
+/// Adds the excess, marks what a missing curve makes meaningless, and sorts.
+pub fn finish(
+    problem: &JointProblem,
+    x: &[f64],
+    mut estimates: Vec<ParameterEstimate>,
+    excess: Option<ParameterEstimate>,
+) -> Vec<ParameterEstimate> {
+    if let Some(excess) = excess {
         blame_curve(problem, x, &excess, &mut estimates);
         estimates.push(excess);
     }
     estimates.sort_by_key(|e| place(&e.name));
-    Ok(estimates)
+    estimates
 }
 
-fn too_short(problem: &JointProblem) -> String {
+pub fn too_short(problem: &JointProblem) -> String {
     format!(
         "only {} sliding samples: let the joint move longer and faster than the standstill \
          threshold",
@@ -189,27 +205,31 @@ fn nearest_bound(p: &Parameter, value: f64) -> f64 {
     if value - p.lower < p.upper - value { p.lower } else { p.upper }
 }
 
-/// T_s - T_c with its own test: the columns of (T_c, T_s) become those of (T_c, T_s - T_c).
-fn excess(
-    problem: &JointProblem,
-    x: &[f64],
-    columns: &[Vec<f64>],
-    residual: &[f64],
-) -> Result<ParameterEstimate, StatisticsError> {
-    let mut columns = columns.to_vec();
-    let (sliding, bend) = (columns[0].clone(), &columns[1]);
-    columns[0] = sliding.iter().zip(bend).map(|(s, b)| s + b).collect();
-    let mut values = x.to_vec();
-    values[1] = x[1] - x[0];
-    let mut parameters: Vec<Parameter> = problem.parameters().into_iter().cloned().collect();
-    let [coulomb, level] = [parameters[0].clone(), parameters[1].clone()];
-    parameters[1] = Parameter {
-        name: "stribeck_excess".into(),
-        lower: level.lower - coulomb.upper,
-        upper: level.upper - coulomb.lower,
-        ..level
-    };
-    Ok(estimate(&parameters, &values, &columns, residual, &problem.slots)?.swap_remove(1))
+/// The problem in (T_c, T_s - T_c) instead of (T_c, T_s): the second parameter is the excess.
+pub struct WithExcess {
+    pub parameters: Vec<Parameter>,
+    pub x: Vec<f64>,
+    pub columns: Vec<Vec<f64>>,
+}
+
+impl WithExcess {
+    /// `None` without a curve; `columns` are those of (T_c, T_s, ..).
+    pub fn of(problem: &JointProblem, x: &[f64], columns: &[Vec<f64>]) -> Option<Self> {
+        problem.curve.as_ref()?;
+        let mut columns = columns.to_vec();
+        columns[0] = columns[0].iter().zip(&columns[1]).map(|(s, b)| s + b).collect();
+        let mut values = x.to_vec();
+        values[1] = x[1] - x[0];
+        let mut parameters: Vec<Parameter> = problem.parameters().into_iter().cloned().collect();
+        let [coulomb, level] = [parameters[0].clone(), parameters[1].clone()];
+        parameters[1] = Parameter {
+            name: "stribeck_excess".into(),
+            lower: level.lower - coulomb.upper,
+            upper: level.upper - coulomb.lower,
+            ..level
+        };
+        Some(Self { parameters, x: values, columns })
+    }
 }
 
 /// Marks static level and Stribeck velocity where there is no curve for them to describe.

@@ -1,9 +1,13 @@
 //! Which parameters make the twin's torque match the recorded one, and how sure that is.
 
+mod arm;
+mod assemble;
 pub mod bounded;
 pub mod bounds;
 pub mod brent;
 pub mod chebyshev;
+mod error;
+mod judge;
 pub mod kernels;
 pub mod levenberg_marquardt;
 pub mod problem;
@@ -11,11 +15,19 @@ pub mod pso;
 pub mod qr;
 pub mod quadratic;
 pub mod separable;
+mod shared;
 mod tables;
+mod terms;
 #[doc(hidden)]
 pub mod testing;
 
 use serde::Serialize;
+
+pub use arm::{Method, Search, Settings, identify};
+pub use assemble::{ArmProblem, BoundsByName, assemble};
+pub use error::IdentificationError;
+pub use judge::LEVEL;
+pub use terms::{PAPER_LAW, Terms};
 
 /// What one method found, all joints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -23,6 +35,18 @@ pub struct MethodResult {
     /// `pso`, `nlse`, ...
     pub method: String,
     pub joints: Vec<JointEstimate>,
+    /// Parameters of the whole arm (payload).
+    pub arm: Vec<ParameterEstimate>,
+    /// What was searched for, as found: what a twin is written from.
+    #[serde(skip)]
+    pub found: Found,
+}
+
+/// Parameter values in the order of the problems.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Found {
+    pub joints: Vec<Vec<f64>>,
+    pub shared: Vec<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]

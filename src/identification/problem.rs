@@ -12,9 +12,11 @@
 use std::fmt;
 use std::sync::Arc;
 
+use super::Goodness;
 use super::bounds::{Bounds, BoundsError};
 use super::kernels::{axpy, dot, stribeck};
 use super::levenberg_marquardt::Residuals;
+use crate::statistics;
 
 /// A parameter that is searched for.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -157,6 +159,21 @@ impl JointProblem {
             axpy(*value, &column.values, &mut torque);
         }
         torque
+    }
+
+    /// Measured - predicted, N.m.
+    pub fn residual(&self, x: &[f64]) -> Vec<f64> {
+        let mut r = self.y.clone();
+        axpy(-1.0, &self.predict(x), &mut r);
+        r
+    }
+
+    /// How well the torque is predicted, the part that was known included.
+    pub fn goodness(&self, x: &[f64]) -> Goodness {
+        let residual = self.residual(x);
+        let predicted: Vec<f64> = self.measured.iter().zip(&residual).map(|(m, r)| m - r).collect();
+        let g = statistics::Goodness::of(&self.measured, &predicted);
+        Goodness { r2: g.r2, r2_printed: g.r2_printed, mse_nm2: g.mse }
     }
 
     /// d predict / d parameter, one column each.

@@ -1,0 +1,239 @@
+//! Parameters that all joints share, such as a payload's mass and first moments.
+//!
+//! They enter linearly, each joint's own parameters b_j only its own rows: with P_j the shared
+//! columns at joint j, projected onto what the joint's own columns leave, the shared parameters
+//! phi solve min sum_j |y_j - P_j phi|^2 / sigma_j^2 (Frisch and Waugh's theorem; the arrow-shaped
+//! normal equations by blocks). Stribeck velocities and noise levels sigma_j follow from fitting
+//! each joint to what phi leaves; a few rounds converge.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::arm::Prepared;
+use super::assemble::ArmProblem;
+use super::bounds::Bounds;
+use super::error::IdentificationError;
+use super::judge::{self, WithExcess};
+use super::kernels::axpy;
+use super::problem::{JointProblem, Parameter};
+use super::qr::{Qr, project_out};
+use super::{Found, ParameterEstimate, bounded, separable};
+
+/// Rounds of fitting joints and shared parameters in turn.
+const MOST_ROUNDS: usize = 30;
+/// Relative change at which the rounds end.
+const SETTLED: f64 = 1e-9;
+
+/// The shared parameters; empty if there are none.
+///
+/// # Errors
+/// If bounds are the wrong way round.
+pub fn solve(
+    arm: &ArmProblem,
+    settings: &separable::Settings,
+) -> Result<Vec<f64>, IdentificationError> {
+    let mut phi = vec![0.0; arm.shared.len()];
+    if phi.is_empty() {
+        return Ok(phi);
+    }
+    let bounds = Bounds::new(
+        arm.shared.iter().map(|p| p.lower).collect(),
+        arm.shared.iter().map(|p| p.upper).collect(),
+    )?;
+    for _ in 0..MOST_ROUNDS {
+        let new = round(arm, &phi, &bounds, settings)?;
+        let change = new.iter().zip(&phi).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let size = new.iter().map(|a| a.abs()).fold(0.0, f64::max);
+        phi = new;
+        if change <= SETTLED * size {
+            break;
+        }
+    }
+    Ok(phi)
+}
+
+/// Every joint fitted to what `phi` leaves, then phi to what the joints leave.
+fn round(
+    arm: &ArmProblem,
+    phi: &[f64],
+    bounds: &Bounds,
+    settings: &separable::Settings,
+) -> Result<Vec<f64>, IdentificationError> {
+    let mut columns = vec![Vec::new(); phi.len()];
+    let mut y = Vec::new();
+    for (j, left) in take_off(arm, phi).into_iter().enumerate() {
+        if left.samples() == 0 {
+            continue;
+        }
+        let prepared = Prepared::new(left)?;
+        let x = prepared.separable(settings).x;
+        let weight = 1.0 / prepared.problem.direct_cost(&x).max(1e-12);
+        let own = Qr::new(prepared.problem.sensitivity(&x));
+        let append = |all: &mut Vec<f64>, values: &[f64]| {
+            let mut values = values.to_vec();
+            project_out(&own.q, &mut values);
+            all.extend(values.iter().map(|v| weight * v));
+        };
+        for (all, column) in columns.iter_mut().zip(&arm.shared_columns[j]) {
+            append(all, column);
+        }
+        append(&mut y, &arm.joints[j].y);
+    }
+    let qr = Qr::new(columns);
+    let c: DVector<f64> = qr.transpose_times(&y);
+    Ok(bounded::solve(&qr.r, &c, bounds).as_slice().to_vec())
+}
+
+/// The joints' problems with the shared torque subtracted.
+pub fn take_off(arm: &ArmProblem, phi: &[f64]) -> Vec<JointProblem> {
+    let mut joints = arm.joints.clone();
+    for (joint, columns) in joints.iter_mut().zip(&arm.shared_columns) {
+        for (value, column) in phi.iter().zip(columns) {
+            axpy(-value, column, &mut joint.y);
+        }
+    }
+    joints
+}
+
+/// All joints in one system: rows weighted by 1/sigma_j, own columns of every joint, shared last.
+struct Stack {
+    parameters: Vec<Parameter>,
+    x: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+    residual: Vec<f64>,
+    slots: Vec<usize>,
+}
+
+/// Tests and intervals of every joint's and the shared parameters together. Joints are taken for
+/// independent of each other, given the parameters.
+///
+/// # Errors
+/// If something is not finite.
+pub fn judge(
+    problems: &[&JointProblem],
+    arm: &ArmProblem,
+    found: &Found,
+) -> Result<(Vec<Vec<ParameterEstimate>>, Vec<ParameterEstimate>), IdentificationError> {
+    let (plain, places) = stack(problems, arm, found, false);
+    let mut rows = judge::estimate(
+        &plain.parameters,
+        &plain.x,
+        &plain.columns,
+        &plain.residual,
+        &plain.slots,
+    )?;
+    let (bent, _) = stack(problems, arm, found, true);
+    let bent =
+        judge::estimate(&bent.parameters, &bent.x, &bent.columns, &bent.residual, &bent.slots)?;
+    let shared = rows.split_off(plain.parameters.len() - arm.shared.len());
+    let mut tables = Vec::new();
+    for (j, problem) in problems.iter().enumerate() {
+        let x = &found.joints[j];
+        tables.push(match places[j] {
+            Some(start) => {
+                let own = rows[start..start + x.len()].to_vec();
+                let excess = problem.curve.as_ref().map(|_| bent[start + 1].clone());
+                judge::finish(problem, x, own, excess)
+            }
+            None => {
+                let all: Vec<_> = problem.parameters().into_iter().cloned().collect();
+                judge::unknown(&all, x, &judge::too_short(problem))
+            }
+        });
+    }
+    Ok((tables, shared))
+}
+
+/// The stack, and where each joint's parameters begin (`None`: too few samples to be in it).
+/// With `excess`, T_s - T_c stands for T_s.
+fn stack(
+    problems: &[&JointProblem],
+    arm: &ArmProblem,
+    found: &Found,
+    excess: bool,
+) -> (Stack, Vec<Option<usize>>) {
+    let rows: usize = problems.iter().map(|p| p.samples()).sum();
+    let mut s =
+        Stack { parameters: vec![], x: vec![], columns: vec![], residual: vec![], slots: vec![] };
+    let (shared, shared_x) = readable(arm, &found.shared);
+    let mut shared_columns = vec![Vec::with_capacity(rows); shared.len()];
+    let mut places = Vec::new();
+    for (j, problem) in problems.iter().enumerate() {
+        if judge::too_few(problem) {
+            places.push(None);
+            continue;
+        }
+        places.push(Some(s.x.len()));
+        let x = &found.joints[j];
+        let weight = 1.0 / problem.direct_cost(x).max(1e-12);
+        let columns = problem.sensitivity(x);
+        let own = excess.then(|| WithExcess::of(problem, x, &columns)).flatten();
+        let own = own.unwrap_or_else(|| WithExcess {
+            parameters: problem.parameters().into_iter().cloned().collect(),
+            x: x.clone(),
+            columns,
+        });
+        s.add_joint(own, weight, &problem.residual(x), &problem.slots);
+        let at_joint = readable_columns(arm, j, &found.shared);
+        for (all, column) in shared_columns.iter_mut().zip(at_joint) {
+            all.extend(column.iter().map(|v| weight * v));
+        }
+    }
+    s.columns.iter_mut().for_each(|c| c.resize(s.residual.len(), 0.0));
+    s.parameters.extend(shared);
+    s.x.extend(shared_x);
+    s.columns.extend(shared_columns);
+    (s, places)
+}
+
+impl Stack {
+    fn add_joint(&mut self, own: WithExcess, weight: f64, residual: &[f64], slots: &[usize]) {
+        let above = self.residual.len();
+        self.parameters.extend(own.parameters);
+        self.x.extend(own.x);
+        for column in own.columns {
+            let mut all = vec![0.0; above];
+            all.extend(column.iter().map(|v| weight * v));
+            self.columns.push(all);
+        }
+        self.columns.iter_mut().for_each(|c| c.resize(above + residual.len(), 0.0));
+        self.residual.extend(residual.iter().map(|r| weight * r));
+        // Far enough from the joint before that no correlation is seen between the two.
+        let from = self.slots.last().map_or(0, |last| 2 * last + 1000);
+        self.slots.extend(slots.iter().map(|s| from + s));
+    }
+}
+
+/// Is it a payload: mass and first moments?
+fn is_payload(arm: &ArmProblem) -> bool {
+    arm.shared.len() == 4 && arm.shared[0].name == "payload_mass"
+}
+
+/// The shared parameters as people read them: a payload's centre instead of its first moments.
+fn readable(arm: &ArmProblem, phi: &[f64]) -> (Vec<Parameter>, Vec<f64>) {
+    if !is_payload(arm) {
+        return (arm.shared.clone(), phi.to_vec());
+    }
+    let mut parameters = arm.shared.clone();
+    for (p, axis) in parameters[1..].iter_mut().zip(["x", "y", "z"]) {
+        let name = format!("payload_centre_{axis}");
+        *p = Parameter { name, unit: "m".into(), lower: -1.0, upper: 1.0 };
+    }
+    let centre = phi[1..].iter().map(|moment| if phi[0] > 0.0 { moment / phi[0] } else { 0.0 });
+    (parameters, std::iter::once(phi[0]).chain(centre).collect())
+}
+
+/// d torque / d readable parameters at joint `j`: with moments m c, d/dm = P_m + c . P_mc and
+/// d/dc = m P_mc.
+fn readable_columns(arm: &ArmProblem, j: usize, phi: &[f64]) -> Vec<Vec<f64>> {
+    let columns = &arm.shared_columns[j];
+    if !is_payload(arm) {
+        return columns.clone();
+    }
+    let matrix = DMatrix::from_columns(
+        &columns.iter().map(|c| DVector::from_column_slice(c)).collect::<Vec<_>>(),
+    );
+    let (_, x) = readable(arm, phi);
+    let mass = matrix.column(0) + matrix.columns(1, 3) * DVector::from_column_slice(&x[1..]);
+    let moments = (1..4).map(|k| (matrix.column(k) * phi[0]).as_slice().to_vec());
+    std::iter::once(mass.as_slice().to_vec()).chain(moments).collect()
+}
