@@ -31,8 +31,8 @@ fn arm(shared: &[f64]) -> ArmProblem {
 
 #[test]
 fn a_payload_and_every_joints_friction_are_found_together() {
-    let results = identify(&arm(&[2.0, 0.1, -0.2, 0.3]), None, &Settings::default()).unwrap();
-    assert_eq!(results.len(), 2);
+    let settings = Settings { methods: vec![Method::Nlse], ..Settings::default() };
+    let results = identify(&arm(&[2.0, 0.1, -0.2, 0.3]), None, &settings).unwrap();
     for result in &results {
         let truth = [2.0, 0.05, -0.1, 0.15];
         for (row, truth) in result.arm.iter().zip(truth) {
@@ -44,7 +44,7 @@ fn a_payload_and_every_joints_friction_are_found_together() {
             assert!(viscous.low < TRUTH[2] && TRUTH[2] < viscous.high, "{viscous:?}");
         }
     }
-    assert_eq!(results[1].arm[1].name, "payload_centre_x");
+    assert_eq!(results[0].arm[1].name, "payload_centre_x");
 }
 
 #[test]

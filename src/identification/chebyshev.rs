@@ -18,7 +18,7 @@ pub fn lagrange(n: usize, x: f64) -> Vec<f64> {
     }
     let weight = |k: usize| {
         let sine = ((k as f64 + 0.5) * PI / n as f64).sin();
-        if k % 2 == 0 { sine } else { -sine }
+        if k.is_multiple_of(2) { sine } else { -sine }
     };
     let terms: Vec<f64> = (0..n).map(|k| weight(k) / (x - at[k])).collect();
     let sum: f64 = terms.iter().sum();

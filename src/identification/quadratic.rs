@@ -89,10 +89,10 @@ impl QuadraticCost {
         let (excess, h) = bend.unwrap_or((0.0, &[]));
         let mut rows = self.rows.as_slice();
         let mut sum = 0.0;
-        for i in 0..n {
+        for (i, &c) in self.c.iter().enumerate() {
             let (row, rest) = rows.split_at(n - i);
             rows = rest;
-            let mut e = if shift == 1 { h[i] * excess } else { 0.0 } - self.c[i];
+            let mut e = h.get(i).map_or(0.0, |h| h * excess) - c;
             for (k, r) in row.iter().enumerate() {
                 e += r * b(i + k);
             }

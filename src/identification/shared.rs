@@ -198,7 +198,7 @@ impl Stack {
         self.columns.iter_mut().for_each(|c| c.resize(above + residual.len(), 0.0));
         self.residual.extend(residual.iter().map(|r| weight * r));
         // Far enough from the joint before that no correlation is seen between the two.
-        let from = self.slots.last().map_or(0, |last| 2 * last + 1000);
+        let from = self.slots.last().map_or(0, |last| last + 1000);
         self.slots.extend(slots.iter().map(|s| from + s));
     }
 }

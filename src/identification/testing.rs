@@ -16,6 +16,8 @@ fn parameter(name: &str, lower: f64, upper: f64) -> Parameter {
     Parameter { name: name.into(), unit: "N.m".into(), lower, upper }
 }
 
+type Law = (&'static str, fn(f64) -> f64);
+
 /// Eq. 1 sampled at `n` speeds of a slow and a fast wave, with white noise of `noise` N.m; with
 /// `filtered`, everything went through a short symmetric average and every second sample is kept.
 pub fn problem(n: usize, noise: f64, filtered: bool) -> JointProblem {
@@ -25,13 +27,13 @@ pub fn problem(n: usize, noise: f64, filtered: bool) -> JointProblem {
         .map(|t| 0.7 * (1.3 * t).sin() + 0.3 * (3.1 * t + 1.0).cos())
         .collect();
     let reduce: super::problem::Reduce = if filtered {
-        Arc::new(|all| all.iter().map(smooth).collect())
+        Arc::new(|all| all.iter().map(|c| smooth(c)).collect())
     } else {
         Arc::new(|all| all)
     };
     let reduced = |column: &[f64]| reduce(vec![column.to_vec()]).remove(0);
     let of_speed = |f: fn(f64) -> f64| speed.iter().map(|&w| f(w)).collect::<Vec<f64>>();
-    let laws: [(&str, fn(f64) -> f64); 3] = [
+    let laws: [Law; 3] = [
         ("viscous", |w| w),
         ("viscous_quadratic", |w| w * w.abs()),
         ("viscous_cubic", |w| w * w * w),
@@ -69,7 +71,7 @@ pub fn problem(n: usize, noise: f64, filtered: bool) -> JointProblem {
     }
 }
 
-fn smooth(raw: &Vec<f64>) -> Vec<f64> {
+fn smooth(raw: &[f64]) -> Vec<f64> {
     let at = |k: usize| raw[k.min(raw.len() - 1)];
     (1..raw.len()).step_by(2).map(|k| 0.25 * at(k - 1) + 0.5 * at(k) + 0.25 * at(k + 1)).collect()
 }
