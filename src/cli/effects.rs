@@ -1,36 +1,127 @@
-//! `armtwin effects`: the catalogue.
+//! `armtwin effects [NAME]`: the catalogue.
 
-use crate::effects::CATALOGUE;
+use std::fmt::Write as _;
+
+use crate::effects::{About, CATALOGUE, Parameter, Role, Scope, find, names};
 use crate::report::table;
 
 /// List the physical effects the twin can inject and explain
 #[derive(clap::Args)]
-#[command(after_help = "Example: armtwin effects --json")]
+#[command(after_help = "\
+Examples:
+  armtwin effects              all effects and their parameters
+  armtwin effects stribeck     one effect: law, cause, remedy, source, how to write it in a file
+  armtwin effects --json       everything, for a program")]
 pub struct Args {
-    /// Print JSON instead of a table
+    /// Show one effect in full
+    #[arg(value_name = "NAME", value_parser = about)]
+    effect: Option<&'static About>,
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
+const WIDTH: usize = 96;
+
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    if args.json {
-        let all: Vec<_> = CATALOGUE.iter().map(|e| e.about()).collect();
-        println!("{}", serde_json::to_string_pretty(&all)?);
-        return Ok(());
-    }
-    let rows = CATALOGUE.iter().flat_map(|e| {
-        let about = e.about();
-        about.parameters.iter().map(|p| {
-            vec![
-                about.name.into(),
-                p.name.into(),
-                p.symbol.into(),
-                p.unit.into(),
-                format!("{} .. {}", p.min, p.max),
-                format!("{}", p.typical),
-            ]
-        })
-    });
-    println!("{}", table(&["effect", "parameter", "symbol", "unit", "range", "typical"], 5, rows));
+    let all = || CATALOGUE.iter().map(|e| e.about());
+    let text = match (args.effect, args.json) {
+        (Some(about), true) => serde_json::to_string_pretty(about)?,
+        (None, true) => serde_json::to_string_pretty(&all().collect::<Vec<_>>())?,
+        (Some(about), false) => details(about),
+        (None, false) => overview(all()),
+    };
+    println!("{text}");
     Ok(())
+}
+
+fn about(name: &str) -> Result<&'static About, String> {
+    let effect = find(name).ok_or_else(|| format!("choose from {}", names()))?;
+    Ok(effect.about())
+}
+
+fn overview(all: impl Iterator<Item = &'static About> + Clone) -> String {
+    let header = ["effect", "parameter", "symbol", "unit", "enters", "range", "typical"];
+    let rows = all.clone().flat_map(|about| about.parameters.iter().map(move |p| row(about, p)));
+    let causes = all.map(|about| vec![about.name.into(), about.law.into(), on(about).into()]);
+    format!(
+        "{}\n\n{}\n\nTorque the drive must supply on top of the rigid body, N.m; typical for a joint \
+         of a UR5.\nCause, remedy and source of one effect: armtwin effects NAME",
+        table(&header, 5, rows),
+        table(&["effect", "law", "acts on"], 3, causes)
+    )
+}
+
+fn row(about: &About, p: &Parameter) -> Vec<String> {
+    let texts = [about.name, p.name, p.symbol, p.unit, enters(p)].map(String::from);
+    [texts.to_vec(), vec![range(p), p.typical.to_string()]].concat()
+}
+
+fn details(about: &About) -> String {
+    let mut text = format!("{}  ({})\n\n  {}\n\n", about.name, on(about), about.law);
+    for (label, what) in
+        [("cause", about.cause), ("remedy", about.remedy), ("source", about.source)]
+    {
+        text += &labelled(label, what);
+    }
+    let header = ["parameter", "symbol", "unit", "enters", "sign", "range", "typical", "absent at"];
+    let rows = about.parameters.iter().map(|p| {
+        let absent = if p.null.is_nan() { "-".into() } else { p.null.to_string() };
+        let texts = [p.name, p.symbol, p.unit, enters(p), sign(p)].map(String::from);
+        [texts.to_vec(), vec![range(p), p.typical.to_string(), absent]].concat()
+    });
+    let _ = write!(text, "\n{}\n\n{}", table(&header, 5, rows), examples(about));
+    text
+}
+
+/// What a scenario and a twin say to have this effect.
+fn examples(about: &About) -> String {
+    let values = |per_line: fn(&Parameter) -> String| -> String {
+        about.parameters.iter().map(per_line).collect::<Vec<_>>().join("\n")
+    };
+    let typical = values(|p| format!("  {} = {:?}", p.name, p.typical));
+    format!(
+        "To simulate it, in SCENARIO.toml:\n  [effects.{0}]\n{typical}\n\n\
+         To let a twin know it, in TWIN.toml (without values it is fitted):\n  [twin]\n  \
+         effects = [\"{0}\"]\n  [twin.values]\n{typical}",
+        about.name
+    )
+}
+
+fn on(about: &About) -> &'static str {
+    match about.scope {
+        Scope::Joint => "each joint",
+        Scope::Arm => "the whole arm",
+    }
+}
+
+fn enters(p: &Parameter) -> &'static str {
+    match p.role {
+        Role::Linear => "linearly",
+        Role::Nonlinear => "nonlinearly",
+    }
+}
+
+fn sign(p: &Parameter) -> &'static str {
+    if p.min < 0.0 { "either" } else { "not negative" }
+}
+
+fn range(p: &Parameter) -> String {
+    format!("{} to {}", p.min, p.max)
+}
+
+/// `label` and a text broken between words, further lines indented below the first.
+fn labelled(label: &str, what: &str) -> String {
+    let mut text = String::new();
+    let mut line = format!("  {label:<8}");
+    for word in what.split_whitespace() {
+        if line.len() + 1 + word.len() > WIDTH {
+            text += line.trim_end();
+            text.push('\n');
+            line = " ".repeat(10);
+        }
+        line += word;
+        line.push(' ');
+    }
+    text + line.trim_end() + "\n"
 }

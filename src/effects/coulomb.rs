@@ -8,6 +8,7 @@ impl Effect for Coulomb {
     fn about(&self) -> &'static About {
         &About {
             name: "coulomb",
+            law: "tau = Fc sign(qd)",
             scope: Scope::Joint,
             parameters: &[Parameter {
                 name: "coulomb",

@@ -8,6 +8,7 @@ impl Effect for CurrentOffset {
     fn about(&self) -> &'static About {
         &About {
             name: "current_offset",
+            law: "tau = c",
             scope: Scope::Joint,
             parameters: &[Parameter {
                 name: "current_offset",

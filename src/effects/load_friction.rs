@@ -13,6 +13,7 @@ impl Effect for LoadFriction {
     fn about(&self) -> &'static About {
         &About {
             name: "load_friction",
+            law: "tau = mu sign(qd) |tau_load|",
             scope: Scope::Joint,
             parameters: &[Parameter {
                 name: "load_friction",
@@ -29,7 +30,7 @@ impl Effect for LoadFriction {
             cause: "teeth and bearings press harder under load: friction grows with the torque",
             remedy: "add mu |joint torque| to the dry level in every step; no simulator format \
                      holds it",
-            source: "Hamon, Gautier, Garrec, IROS 2010; Wahrburg et al., IFAC World Congress 2018",
+            source: "Hamon, Gautier, Garrec, IROS 2010; Wahrburg et al., ICRA 2018",
         }
     }
 

@@ -58,6 +58,8 @@ pub enum Scope {
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct About {
     pub name: &'static str,
+    /// What the drive must supply, N.m, in the symbols of the parameters.
+    pub law: &'static str,
     pub scope: Scope,
     /// Linear parameters first, in the order of the columns.
     pub parameters: &'static [Parameter],

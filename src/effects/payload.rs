@@ -14,6 +14,7 @@ pub struct Payload;
 
 static ABOUT: About = About {
     name: "payload",
+    law: "tau = Y_flange(q, qd, qdd) [m, m cx, m cy, m cz]",
     scope: Scope::Arm,
     parameters: &[
         Parameter {

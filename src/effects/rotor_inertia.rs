@@ -8,13 +8,14 @@ impl Effect for RotorInertia {
     fn about(&self) -> &'static About {
         &About {
             name: "rotor_inertia",
+            law: "tau = Ja qdd",
             scope: Scope::Joint,
             parameters: &[Parameter {
                 name: "rotor_inertia",
                 symbol: "Ja",
                 unit: "kg.m2",
                 min: 0.0,
-                max: 10.0,
+                max: 20.0,
                 typical: 1.0,
                 null: 0.0,
                 role: Role::Linear,

@@ -9,6 +9,7 @@ impl Effect for Stribeck {
     fn about(&self) -> &'static About {
         &About {
             name: "stribeck",
+            law: "tau = (Fs - Fc) sign(qd) exp(-|qd / qd_s|)",
             scope: Scope::Joint,
             parameters: &[
                 Parameter {

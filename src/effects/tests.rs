@@ -160,6 +160,7 @@ fn declarations_are_complete() {
         for text in [about.cause, about.remedy, about.source] {
             assert!(text.len() > 20 && !text.contains('\n'), "{}: {text}", about.name);
         }
+        assert!(about.law.starts_with("tau = "), "{}", about.name);
         let linear_first = about.parameters.is_sorted_by_key(|p| p.role == Role::Nonlinear);
         assert!(linear_first && !about.parameters.is_empty(), "{}", about.name);
         for p in about.parameters {

@@ -8,6 +8,7 @@ impl Effect for Viscous {
     fn about(&self) -> &'static About {
         &About {
             name: "viscous",
+            law: "tau = Fv qd",
             scope: Scope::Joint,
             parameters: &[Parameter {
                 name: "viscous",

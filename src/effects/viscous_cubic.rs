@@ -8,6 +8,7 @@ impl Effect for ViscousCubic {
     fn about(&self) -> &'static About {
         &About {
             name: "viscous_cubic",
+            law: "tau = F3 qd^3",
             scope: Scope::Joint,
             parameters: &[Parameter {
                 name: "viscous_cubic",

@@ -8,6 +8,7 @@ impl Effect for ViscousQuadratic {
     fn about(&self) -> &'static About {
         &About {
             name: "viscous_quadratic",
+            law: "tau = F2 qd |qd|",
             scope: Scope::Joint,
             parameters: &[Parameter {
                 name: "viscous_quadratic",

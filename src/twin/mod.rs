@@ -26,7 +26,7 @@ pub struct Twin {
     /// Names from the catalogue.
     pub effects: Vec<String>,
     /// Values that are known, by parameter name, one per joint (one in all for the whole arm);
-    /// what is absent is fitted. They come on top of the drive's rotor inertia.
+    /// what is absent is fitted. A `rotor_inertia` here stands in place of the drive's.
     pub values: BTreeMap<String, Vec<f64>>,
 }
 
@@ -54,7 +54,9 @@ impl Twin {
         let motion = Motion { robot: &self.robot, ..*motion };
         for joint in 0..self.robot.dof() {
             let out = tau.joint_mut(joint);
-            add_scaled(out, self.drive.rotor_inertia[joint], motion.qdd.joint(joint));
+            if !self.values.contains_key("rotor_inertia") {
+                add_scaled(out, self.drive.rotor_inertia[joint], motion.qdd.joint(joint));
+            }
             for effect in self.known() {
                 let Some(values) = self.values_at(effect, joint) else { continue };
                 add_effect(out, effect, &values, &motion, joint);

@@ -1,6 +1,6 @@
 //! Reading, refusing, writing back, and the torque of a twin.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::*;
 
@@ -127,5 +127,50 @@ fn torque_is_rigid_body_rotor_and_known_effects() {
         // Viscous and Stribeck lack values: 1.1 x 2 - 5.
         let added = twin.torque(&motion).joint(joint)[0] - rigid.joint(joint)[0];
         assert!((added - (2.2 - 5.0)).abs() < 1e-9, "joint {}: {added}", joint + 1);
+    }
+    twin.effects.push("rotor_inertia".into());
+    twin.values.insert("rotor_inertia".into(), vec![0.5; 6]);
+    let added = twin.torque(&motion).joint(5)[0] - rigid.joint(5)[0];
+    assert!((added - (1.0 - 5.0)).abs() < 1e-9, "in place of the drive's 1.1: {added}");
+}
+
+/// A file under the folder of shared recordings, which need not be there.
+fn shared(path: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("ARMTWIN_SHARED")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
+    let file = root.join("recordings").join(path);
+    if !file.exists() {
+        eprintln!("skipped: {} is not here", file.display());
+    }
+    file.exists().then_some(file)
+}
+
+/// A standing UR10e: the twin's torque is the controller's own (which takes g = 9.82), and its
+/// current, turned into torque, differs by no more than stiction can hold.
+#[test]
+fn ur10e_gravity_is_the_controllers_and_the_currents() {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    let twin = Twin::load(&here.join("twins/ur10e.toml")).unwrap();
+    let map = here.join("columns/ur10e_shamilmamedov.toml");
+    for pose in ["p2", "p5", "p8"] {
+        let name = format!("shamilmamedov-dynamic_calibration/validation_data/ur-20_01_17-{pose}");
+        let Some(file) = shared(&format!("{name}.csv.gz")) else { return };
+        let recording = crate::recording::read(&file, Some(&map)).unwrap();
+        let mean = |stem: &str| {
+            let mean = |_, x: &[f64]| vec![x.iter().sum::<f64>() / x.len() as f64];
+            recording.joints(stem).unwrap().map_joints(mean)
+        };
+        let (q, zero) = (mean("actual_q"), JointSeries::zeros(6, 1));
+        let tau = twin.torque(&Motion::new(&twin.robot, 0.01, &q, &zero, &zero));
+        let (asked, measured) =
+            (mean("target_moment"), twin.drive.torque_series(&mean("actual_current")));
+        for (joint, stiction) in [20.0, 20.0, 10.0, 4.0, 4.0, 4.0].into_iter().enumerate() {
+            let [tau, asked, measured] = [&tau, &asked, &measured].map(|s| s.joint(joint)[0]);
+            assert!(
+                (tau - asked).abs() < 2e-3 * asked.abs() + 1e-3,
+                "{pose} {joint}: {tau} {asked}"
+            );
+            assert!((tau - measured).abs() < stiction, "{pose} {joint}: {tau} {measured}");
+        }
     }
 }

@@ -1,0 +1,59 @@
+//! `armtwin effects`.
+
+use armtwin::effects::CATALOGUE;
+
+use crate::armtwin;
+
+#[test]
+fn every_effect_and_parameter_is_listed() {
+    let out = armtwin(&["effects"]);
+    assert_eq!(out.code, 0);
+    for about in CATALOGUE.iter().map(|e| e.about()) {
+        assert!(out.stdout.contains(about.law), "{}", about.name);
+        for p in about.parameters {
+            assert!(out.stdout.contains(p.name) && out.stdout.contains(p.unit), "{}", p.name);
+        }
+    }
+    assert!(out.stdout.lines().all(|l| l.chars().count() <= 100), "{}", out.stdout);
+}
+
+#[test]
+fn one_effect_is_shown_in_full() {
+    for about in CATALOGUE.iter().map(|e| e.about()) {
+        let out = armtwin(&["effects", about.name]);
+        let words = out.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+        for text in [about.cause, about.remedy, about.source] {
+            assert!(words.contains(text), "{}: {text}", about.name);
+        }
+        assert!(out.stdout.contains(&format!("[effects.{}]", about.name)));
+        assert!(out.stdout.lines().all(|l| l.chars().count() <= 100), "{}", out.stdout);
+    }
+}
+
+#[test]
+fn json_is_the_catalogue() {
+    let out = armtwin(&["effects", "--json"]);
+    let all: serde_json::Value = serde_json::from_str(&out.stdout).unwrap();
+    let all = all.as_array().unwrap();
+    assert_eq!(all.len(), CATALOGUE.len());
+    for (json, about) in all.iter().zip(CATALOGUE.iter().map(|e| e.about())) {
+        assert_eq!(json["name"], about.name);
+        for key in ["cause", "remedy", "source", "law", "scope"] {
+            assert!(json[key].is_string(), "{}: {key}", about.name);
+        }
+        let parameters = json["parameters"].as_array().unwrap();
+        assert_eq!(parameters.len(), about.parameters.len());
+        for p in parameters {
+            let in_order = p["min"].as_f64().unwrap() < p["max"].as_f64().unwrap();
+            assert!(in_order && p["typical"].is_number() && p["unit"].is_string());
+            assert!(p["role"] == "linear" || p["role"] == "nonlinear");
+        }
+    }
+}
+
+#[test]
+fn an_unknown_effect_is_wrong_usage() {
+    let out = armtwin(&["effects", "magic"]);
+    assert_eq!(out.code, 2);
+    assert!(out.stderr.contains("magic") && out.stderr.contains("stribeck"), "{}", out.stderr);
+}

@@ -1,0 +1,21 @@
+//! Tests of the program as a user runs it, one file per command.
+
+mod effects;
+
+use std::process::Command;
+
+/// What a run of the program left behind.
+struct Output {
+    code: i32,
+    stdout: String,
+    stderr: String,
+}
+
+fn armtwin(arguments: &[&str]) -> Output {
+    let program = Command::new(env!("CARGO_BIN_EXE_armtwin")).args(arguments).output().unwrap();
+    Output {
+        code: program.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(program.stdout).unwrap(),
+        stderr: String::from_utf8(program.stderr).unwrap(),
+    }
+}
