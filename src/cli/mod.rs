@@ -1,7 +1,9 @@
 //! The command line: one file per command, each with its `Args` and `run`.
 
+mod conditioning;
 mod convert;
 mod effects;
+mod identify;
 mod robots;
 mod urdf;
 
@@ -20,6 +22,7 @@ struct Cli {
 enum Command {
     Convert(convert::Args),
     Effects(effects::Args),
+    Identify(identify::Args),
     Robots(robots::Args),
     Urdf(urdf::Args),
 }
@@ -39,6 +42,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Convert(args) => convert::run(&args),
         Command::Effects(args) => effects::run(&args),
+        Command::Identify(args) => identify::run(&args),
         Command::Robots(args) => robots::run(&args),
         Command::Urdf(args) => urdf::run(&args),
     }

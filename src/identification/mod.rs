@@ -7,6 +7,7 @@ pub mod bounds;
 pub mod brent;
 pub mod chebyshev;
 mod error;
+mod fitted;
 mod judge;
 pub mod kernels;
 pub mod levenberg_marquardt;
@@ -20,14 +21,17 @@ mod tables;
 mod terms;
 #[doc(hidden)]
 pub mod testing;
+mod verdict;
 
 use serde::Serialize;
 
 pub use arm::{Method, Search, Settings, identify};
 pub use assemble::{ArmProblem, BoundsByName, assemble};
 pub use error::IdentificationError;
+pub use fitted::fitted_twin;
 pub use judge::LEVEL;
 pub use terms::{PAPER_LAW, Terms};
+pub use verdict::verdict;
 
 /// What one method found, all joints.
 #[derive(Debug, Clone, PartialEq, Serialize)]

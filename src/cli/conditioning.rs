@@ -1,0 +1,77 @@
+//! Flags that set how a recording is conditioned, for every command that takes one.
+
+use crate::signals::{Conditioning, Derivatives};
+
+/// What is not given stays as [`Conditioning::default`] has it.
+#[derive(clap::Args)]
+#[command(next_help_heading = "Signals")]
+pub struct ConditioningArgs {
+    /// Resample onto this rate [default: the recording's own]
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+    /// Where velocity and acceleration come from
+    #[arg(long, value_enum)]
+    derivatives: Option<Source>,
+    /// Zero-phase low-pass of the motion, 0 for none [default: 8]
+    #[arg(long, value_name = "HZ")]
+    motion_cutoff: Option<f64>,
+    /// Zero-phase low-pass of torque and regressors alike, 0 for none [default: 8]
+    #[arg(long, value_name = "HZ")]
+    torque_cutoff: Option<f64>,
+    /// Butterworth order of both filters [default: 4]
+    #[arg(long, value_name = "N")]
+    filter_order: Option<usize>,
+    /// Samples at or below this speed do not slide, 0 keeps all [default: 0.02]
+    #[arg(long, value_name = "RAD_S")]
+    standstill: Option<f64>,
+    /// Leave out sliding samples nearer than this to standstill [default: 0]
+    #[arg(long, value_name = "S")]
+    guard: Option<f64>,
+    /// Leave out this much at both ends [default: 0.5]
+    #[arg(long, value_name = "S")]
+    margin: Option<f64>,
+    /// Keep every N-th sample [default: follows from the torque cutoff]
+    #[arg(long, value_name = "N")]
+    decimate: Option<usize>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Source {
+    /// Central differences of the low-passed measured position (default)
+    Position,
+    /// Commanded motion plus the smoothed tracking error
+    TrackingError,
+    /// Recorded velocity, low-passed
+    Recorded,
+    /// As in the paper: recorded velocity, forward and backward differences, no filter
+    Paper,
+}
+
+impl ConditioningArgs {
+    pub fn conditioning(&self) -> Conditioning {
+        let usual = Conditioning::default();
+        Conditioning {
+            rate_hz: self.rate.or(usual.rate_hz),
+            derivatives: self.derivatives.map_or(usual.derivatives, Source::derivatives),
+            motion_cutoff_hz: self.motion_cutoff.unwrap_or(usual.motion_cutoff_hz),
+            torque_cutoff_hz: self.torque_cutoff.unwrap_or(usual.torque_cutoff_hz),
+            filter_order: self.filter_order.unwrap_or(usual.filter_order),
+            standstill_rad_s: self.standstill.unwrap_or(usual.standstill_rad_s),
+            guard_s: self.guard.unwrap_or(usual.guard_s),
+            margin_s: self.margin.unwrap_or(usual.margin_s),
+            decimation: self.decimate.or(usual.decimation),
+            ..usual
+        }
+    }
+}
+
+impl Source {
+    fn derivatives(self) -> Derivatives {
+        match self {
+            Self::Position => Derivatives::Position,
+            Self::TrackingError => Derivatives::TrackingError,
+            Self::Recorded => Derivatives::Recorded,
+            Self::Paper => Derivatives::Paper,
+        }
+    }
+}

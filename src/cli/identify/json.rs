@@ -1,0 +1,74 @@
+//! `identify --json`: the contract's fields, and everything that led to them.
+
+use std::path::Path;
+
+use anyhow::Context;
+use serde::Serialize;
+
+use super::Report;
+use crate::files::write_whole;
+use crate::identification::{self, MethodResult, Settings};
+use crate::recording::Provenance;
+use crate::signals::Conditioning;
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    version: &'static str,
+    recording: Source<'a>,
+    check: Option<Source<'a>>,
+    twin: TwinFacts<'a>,
+    /// Effects that were fitted.
+    terms: Vec<&'static str>,
+    seed: u64,
+    level: f64,
+    settings: &'a Settings,
+    conditioning: &'a Conditioning,
+    methods: &'a [MethodResult],
+    verdict: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Source<'a> {
+    #[serde(flatten)]
+    provenance: &'a Provenance,
+    signals: &'a [String],
+}
+
+#[derive(Serialize)]
+struct TwinFacts<'a> {
+    robot: &'a str,
+    drive: &'a crate::robot::Drive,
+    effects: &'a [String],
+    values: &'a std::collections::BTreeMap<String, Vec<f64>>,
+}
+
+pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
+    let source = |l: &super::Loaded| -> (Provenance, Vec<String>) {
+        (l.recording.provenance.clone(), l.samples.notes.clone())
+    };
+    let fit = source(report.fit);
+    let check = report.check.map(source);
+    let document = Document {
+        schema: "armtwin.identification/1",
+        version: env!("CARGO_PKG_VERSION"),
+        recording: Source { provenance: &fit.0, signals: &fit.1 },
+        check: check.as_ref().map(|c| Source { provenance: &c.0, signals: &c.1 }),
+        twin: TwinFacts {
+            robot: &report.twin.source,
+            drive: &report.twin.drive,
+            effects: &report.twin.effects,
+            values: &report.twin.values,
+        },
+        terms: report.terms.names(),
+        seed: report.settings.seed,
+        level: identification::LEVEL,
+        settings: report.settings,
+        conditioning: report.conditioning,
+        methods: report.results,
+        verdict: report.results.last().map(identification::verdict).unwrap_or_default(),
+    };
+    let text = serde_json::to_string_pretty(&document)?;
+    write_whole(path, |out| writeln!(out, "{text}"))
+        .with_context(|| format!("--json {}: cannot be written", path.display()))
+}

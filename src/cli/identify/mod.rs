@@ -1,0 +1,230 @@
+//! `armtwin identify`: friction and what goes with it, with tests and intervals.
+
+mod json;
+mod print;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+
+use super::conditioning::ConditioningArgs;
+use crate::identification::{
+    self, ArmProblem, BoundsByName, IdentificationError, Method, MethodResult, Search, Settings,
+    Terms,
+};
+use crate::recording::{self, Recording};
+use crate::signals::{Conditioning, Samples, condition};
+use crate::twin::Twin;
+
+/// Identify friction, rotor inertia and payload from a recording, with tests and intervals
+///
+/// Without --twin the arm is the UR5 and the terms are the paper's friction law (Eq. 1), rotor
+/// inertia and current offset. With --twin the terms are the effects the twin lists and gives no
+/// values for. --terms replaces, --with adds to either.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  armtwin identify fit.csv --check check.csv
+  armtwin identify fit.csv --check check.csv --with payload --json out.json --save-twin fitted.toml
+  armtwin identify log.csv --columns scenarios/columns/ur10e_shamilmamedov.toml \\
+      --twin scenarios/twins/ur10e.toml --with paper,offset
+  armtwin identify fit.csv --method nlse --bounds stribeck_velocity=0.01:0.2")]
+pub struct Args {
+    /// Recording to fit: file, or folder with one log per signal
+    recording: PathBuf,
+    /// Another recording, which the fit is held against
+    #[arg(long, value_name = "RECORDING")]
+    check: Option<PathBuf>,
+    /// What is known about the arm [default: the built-in UR5 with the paper's drive]
+    #[arg(long, value_name = "TWIN.toml")]
+    twin: Option<PathBuf>,
+    /// Estimators, in the order they are printed
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "pso,nlse")]
+    method: Vec<MethodArg>,
+    /// Column map (TOML) of CSVs without RTDE names
+    #[arg(long, value_name = "MAP.toml")]
+    columns: Option<PathBuf>,
+    /// What to fit, effects by name; `paper` is Eq. 1 (see `armtwin effects`)
+    #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
+    terms: Vec<String>,
+    /// What to fit besides
+    #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
+    with: Vec<String>,
+    /// Search bounds of a parameter, all joints (repeatable)
+    #[arg(long, value_name = "NAME=MIN:MAX", value_parser = bound, allow_hyphen_values = true)]
+    bounds: Vec<(String, [f64; 2])>,
+    /// Seed of the swarm
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// How the swarm's cost is evaluated: the same number, a thousand times apart in speed
+    #[arg(long, value_enum, default_value = "quadratic")]
+    cost: CostArg,
+    /// Write everything as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write the twin with the fitted values (NLSE's where both ran)
+    #[arg(long, value_name = "FILE")]
+    save_twin: Option<PathBuf>,
+    #[command(flatten)]
+    conditioning: ConditioningArgs,
+}
+
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum MethodArg {
+    Pso,
+    Nlse,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum CostArg {
+    /// Interpolated quadratic form
+    Quadratic,
+    /// The law at every sample
+    Direct,
+}
+
+/// `NAME=MIN:MAX`
+fn bound(text: &str) -> Result<(String, [f64; 2]), String> {
+    let parse = || {
+        let (name, range) = text.split_once('=')?;
+        let (low, high) = range.split_once(':')?;
+        Some((name.trim().to_string(), [low.trim().parse().ok()?, high.trim().parse().ok()?]))
+    };
+    let (name, [low, high]) =
+        parse().ok_or("give NAME=MIN:MAX, for example stribeck_velocity=0.01:0.2")?;
+    identification::bounds::check(&name, low, high).map_err(|e| e.to_string())?;
+    Ok((name, [low, high]))
+}
+
+/// All that stands in the outputs.
+pub(super) struct Report<'a> {
+    pub args: &'a Args,
+    pub twin: &'a Twin,
+    pub terms: &'a Terms,
+    pub settings: &'a Settings,
+    pub conditioning: &'a Conditioning,
+    pub fit: &'a Loaded,
+    pub check: Option<&'a Loaded>,
+    pub results: &'a [MethodResult],
+}
+
+/// A recording and what became of it.
+pub(super) struct Loaded {
+    pub recording: Recording,
+    pub samples: Samples,
+    pub problem: ArmProblem,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    if let Some(check) = &args.check {
+        refuse_same_file(&args.recording, check)?;
+    }
+    let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
+    let terms = args.terms(&twin)?;
+    let conditioning = args.conditioning.conditioning();
+    let load = |path: &Path| args.load(path, &twin, &terms, &conditioning);
+    let fit = load(&args.recording)?;
+    let check = args.check.as_deref().map(load).transpose()?;
+    if let Some(check) = &check {
+        refuse_same_samples(&fit.recording, &check.recording)?;
+    }
+    let settings = args.settings();
+    let results =
+        identification::identify(&fit.problem, check.as_ref().map(|c| &c.problem), &settings)?;
+    let report = Report {
+        args,
+        twin: &twin,
+        terms: &terms,
+        settings: &settings,
+        conditioning: &conditioning,
+        fit: &fit,
+        check: check.as_ref(),
+        results: &results,
+    };
+    print::print(&report);
+    if let Some(path) = &args.json {
+        json::write(&report, path)?;
+    }
+    if let Some(path) = &args.save_twin {
+        save_twin(&report, path)?;
+    }
+    Ok(())
+}
+
+impl Args {
+    fn terms(&self, twin: &Twin) -> Result<Terms, IdentificationError> {
+        let more = self.with.iter().map(String::as_str);
+        match (&self.terms[..], &self.twin) {
+            ([], None) => Terms::named(Terms::usual()?.names().into_iter().chain(more)),
+            ([], Some(_)) => Terms::of_twin(twin, &self.with),
+            (given, _) => Terms::named(given.iter().map(String::as_str).chain(more)),
+        }
+    }
+
+    fn load(
+        &self,
+        path: &Path,
+        twin: &Twin,
+        terms: &Terms,
+        how: &Conditioning,
+    ) -> anyhow::Result<Loaded> {
+        let recording = recording::read(path, self.columns.as_deref())?;
+        let name = || path.display().to_string();
+        let samples =
+            condition(&recording, &twin.drive, twin.robot.dof(), how).with_context(name)?;
+        let bounds: BoundsByName = self.bounds.iter().cloned().collect();
+        let problem =
+            identification::assemble(&samples, twin, terms, &bounds).with_context(name)?;
+        Ok(Loaded { recording, samples, problem })
+    }
+
+    fn settings(&self) -> Settings {
+        let mut methods: Vec<Method> = Vec::new();
+        for method in &self.method {
+            let method = match method {
+                MethodArg::Pso => Method::Pso,
+                MethodArg::Nlse => Method::Nlse,
+            };
+            if !methods.contains(&method) {
+                methods.push(method);
+            }
+        }
+        let pso_cost = match self.cost {
+            CostArg::Quadratic => Search::Quadratic,
+            CostArg::Direct => Search::Direct,
+        };
+        Settings { methods, seed: self.seed, pso_cost, ..Settings::default() }
+    }
+}
+
+fn refuse_same_file(fit: &Path, check: &Path) -> anyhow::Result<()> {
+    if let (Ok(a), Ok(b)) = (fit.canonicalize(), check.canonicalize())
+        && a == b
+    {
+        bail!(
+            "--check {}: is the recording the fit is made on; a check needs another recording",
+            check.display()
+        );
+    }
+    Ok(())
+}
+
+fn refuse_same_samples(fit: &Recording, check: &Recording) -> anyhow::Result<()> {
+    if fit.time == check.time && fit.channels == check.channels {
+        bail!(
+            "--check {}: holds the same samples as {}; a check needs another recording",
+            check.provenance.source,
+            fit.provenance.source
+        );
+    }
+    Ok(())
+}
+
+fn save_twin(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
+    let preferred = report.results.iter().find(|r| r.method == Method::Nlse.name());
+    let Some(result) = preferred.or(report.results.first()) else { return Ok(()) };
+    let fitted =
+        identification::fitted_twin(report.twin, report.terms, &report.fit.problem, result)?;
+    fitted.save(path)?;
+    println!("\nTwin with the values of {}: {}", result.method, path.display());
+    Ok(())
+}

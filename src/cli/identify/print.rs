@@ -1,0 +1,186 @@
+//! Tables of an identification for people.
+
+use super::{Loaded, Report};
+use crate::identification::{self, Interval, JointEstimate, MethodResult, ParameterEstimate};
+use crate::report::table;
+
+pub fn print(report: &Report<'_>) {
+    println!("armtwin {}  identify  seed {}", env!("CARGO_PKG_VERSION"), report.settings.seed);
+    println!("robot    {}", report.twin.source);
+    print_source("fit", report.fit);
+    report.check.iter().for_each(|c| print_source("check", c));
+    println!("fitted   {}", report.terms.names().join(", "));
+    if report.args.twin.is_some() && report.args.terms.is_empty() && report.args.with.is_empty() {
+        println!(
+            "         (what the twin lists without values; more by --with paper,rotor_inertia,offset)"
+        );
+    }
+    println!("signals  {}", signals(report));
+    for result in report.results {
+        print_method(result);
+    }
+    if let Some(result) = report.results.last() {
+        println!("\nWhat {} found", result.method);
+        identification::verdict(result).iter().for_each(|line| println!("  {line}"));
+    }
+}
+
+fn print_source(what: &str, loaded: &Loaded) {
+    let provenance = &loaded.recording.provenance;
+    println!("{what:8} {} ({})", provenance.source, provenance.format);
+    for note in provenance.notes.iter().chain(&loaded.samples.notes) {
+        println!("         {note}");
+    }
+}
+
+fn signals(report: &Report<'_>) -> String {
+    let c = report.conditioning;
+    let derivatives = serde_json::to_value(c.derivatives).ok();
+    let derivatives = derivatives.as_ref().and_then(|v| v.as_str()).unwrap_or("?").to_string();
+    let s = &report.fit.samples;
+    format!(
+        "{:.6} Hz, derivatives from {derivatives}, low-pass {} Hz (motion) and {} Hz (torque and \
+         regressors) of order {}, every {} sample, |qd| > {} rad/s, guard {} s, margin {} s",
+        s.rate_hz(),
+        c.motion_cutoff_hz,
+        c.torque_cutoff_hz,
+        c.filter_order,
+        ordinal(s.decimation()),
+        c.standstill_rad_s,
+        c.guard_s,
+        c.margin_s
+    )
+}
+
+fn ordinal(n: usize) -> String {
+    match n {
+        1 => "single".into(),
+        2 => "2nd".into(),
+        3 => "3rd".into(),
+        n => format!("{n}th"),
+    }
+}
+
+const PARAMETERS: [&str; 14] = [
+    "joint",
+    "parameter",
+    "unit",
+    "value",
+    "99 % low",
+    "high",
+    "t",
+    "p",
+    "asympt. low",
+    "high",
+    "paper low",
+    "high",
+    "bounds",
+    "",
+];
+
+fn print_method(result: &MethodResult) {
+    println!("\n{}", result.method.to_uppercase());
+    let joints = result
+        .joints
+        .iter()
+        .flat_map(|j| j.parameters.iter().map(move |p| parameter_row(j.joint.to_string(), p)));
+    let arm = result.arm.iter().map(|p| parameter_row("arm".into(), p));
+    println!("{}", table(&PARAMETERS, 3, joints.chain(arm)));
+    println!(
+        "99 %: robust to autocorrelation; asympt.: as if residuals were white; paper: its Eq. 8, \
+         sqrt(n) too narrow"
+    );
+    let checked = result.joints.iter().any(|j| j.check.is_some());
+    println!("\n{}", table(&search_header(checked), 1, result.joints.iter().map(search_row)));
+    print_reasons(result);
+}
+
+fn parameter_row(joint: String, p: &ParameterEstimate) -> Vec<String> {
+    let remark = match (p.identifiable, p.at_bound) {
+        (false, _) => "not identifiable",
+        (true, true) => "at bound",
+        (true, false) => "",
+    };
+    let ends = |i: &Interval| [number(i.low), number(i.high)];
+    let mut row = vec![joint, p.name.clone(), p.unit.clone(), number(p.value)];
+    if p.identifiable {
+        row.extend([number(p.low), number(p.high), format!("{:.1}", p.statistic), chance(p.p)]);
+        row.extend(ends(&p.asymptotic));
+        row.extend(ends(&p.paper));
+    } else {
+        row.extend(std::iter::repeat_n("-".to_string(), 8));
+    }
+    row.push(format!("{} .. {}", p.bounds[0], p.bounds[1]));
+    row.push(remark.into());
+    row
+}
+
+fn number(x: f64) -> String {
+    match x.abs() {
+        a if a == 0.0 => "0".into(),
+        a if !(1e-4..1e5).contains(&a) => format!("{x:.2e}"),
+        a if a < 0.1 => format!("{x:.5}"),
+        a if a < 10.0 => format!("{x:.4}"),
+        _ => format!("{x:.3}"),
+    }
+}
+
+fn chance(p: f64) -> String {
+    if p == 0.0 {
+        "<1e-308".into()
+    } else if p < 1e-3 {
+        format!("{p:.0e}")
+    } else {
+        format!("{p:.3}")
+    }
+}
+
+fn search_header(checked: bool) -> Vec<&'static str> {
+    let mut header =
+        vec!["joint", "samples", "cost N.m", "evaluations", "ms", "stopped", "R2", "R2 printed"];
+    header.push("MSE (N.m)2");
+    if checked {
+        header.extend(["check R2", "check R2 printed", "check MSE (N.m)2"]);
+    }
+    header
+}
+
+fn search_row(j: &JointEstimate) -> Vec<String> {
+    let mut row = vec![
+        j.joint.to_string(),
+        j.samples.to_string(),
+        format!("{:.6}", j.cost),
+        j.evaluations.to_string(),
+        format!("{:.2}", 1e3 * j.seconds),
+        j.stopped.replace('_', " "),
+    ];
+    for g in std::iter::once(&j.fit).chain(&j.check) {
+        row.extend([
+            format!("{:.4}", g.r2),
+            format!("{:.4}", g.r2_printed),
+            format!("{:.4}", g.mse_nm2),
+        ]);
+    }
+    row
+}
+
+/// Why parameters are not identifiable, one line per joint and reason.
+fn print_reasons(result: &MethodResult) {
+    let mut lines: Vec<(String, String, Vec<String>)> = Vec::new();
+    let joints = result.joints.iter().map(|j| (format!("joint {}", j.joint), &j.parameters));
+    for (place, parameters) in joints.chain([("arm".to_string(), &result.arm)]) {
+        for p in parameters {
+            let Some(why) = &p.why_not else { continue };
+            match lines.iter_mut().find(|l| l.0 == place && l.1 == *why) {
+                Some(line) => line.2.push(p.name.clone()),
+                None => lines.push((place.clone(), why.clone(), vec![p.name.clone()])),
+            }
+        }
+    }
+    if !lines.is_empty() {
+        println!("\nNot identifiable:");
+    }
+    for (place, why, names) in lines {
+        println!("  {place}, {}: {why}", names.join(", "));
+    }
+}

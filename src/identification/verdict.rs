@@ -1,0 +1,73 @@
+//! What a fit says, in plain words.
+
+use super::judge::LEVEL;
+use super::{JointEstimate, MethodResult, ParameterEstimate};
+
+/// One line per joint, one for the arm's own parameters.
+pub fn verdict(result: &MethodResult) -> Vec<String> {
+    let mut lines: Vec<String> = result.joints.iter().map(of_joint).collect();
+    if !result.arm.is_empty() {
+        lines.push(format!("arm: {}", sentence(result.arm.iter())));
+    }
+    lines
+}
+
+fn of_joint(j: &JointEstimate) -> String {
+    if j.parameters.iter().all(|p| !p.identifiable) {
+        let why = j.parameters.iter().find_map(|p| p.why_not.as_deref()).unwrap_or("no data");
+        return format!("joint {}: nothing can be said: {why}", j.joint);
+    }
+    // The curve is spoken of by its excess.
+    let spoken = j.parameters.iter().filter(|p| !["static", EXCESS].contains(&p.name.as_str()));
+    let curve = j.parameters.iter().find(|p| p.name == EXCESS);
+    let curve = curve.map(|excess| format!("; {}", curve_words(excess, &j.parameters)));
+    let terms = spoken.filter(|p| p.name != "stribeck_velocity");
+    format!("joint {}: {}{}", j.joint, sentence(terms), curve.unwrap_or_default())
+}
+
+const EXCESS: &str = "stribeck_excess";
+
+/// "a 1.0 N.m; not told from zero: b; c cannot be told"
+fn sentence<'a>(parameters: impl Iterator<Item = &'a ParameterEstimate>) -> String {
+    let (mut has, mut lacks, mut open) = (vec![], vec![], vec![]);
+    for p in parameters {
+        let name = p.name.replace('_', " ");
+        if !p.identifiable {
+            open.push(name);
+        } else if exists(p) {
+            has.push(format!("{name} {:.3} {}", p.value, p.unit));
+        } else {
+            lacks.push(name);
+        }
+    }
+    let mut parts = Vec::new();
+    let mut say = |names: Vec<String>, before: &str, after: &str| {
+        if !names.is_empty() {
+            parts.push(format!("{before}{}{after}", names.join(", ")));
+        }
+    };
+    say(has, "", "");
+    say(lacks, "not told from zero: ", "");
+    say(open, "", " cannot be told");
+    parts.join("; ")
+}
+
+fn exists(p: &ParameterEstimate) -> bool {
+    p.identifiable && !p.at_bound && p.p < 1.0 - LEVEL
+}
+
+/// A dip is an excess that is significant, positive, and has a velocity of its own.
+fn curve_words(excess: &ParameterEstimate, all: &[ParameterEstimate]) -> String {
+    let velocity = all.iter().find(|p| p.name == "stribeck_velocity");
+    match velocity {
+        Some(v) if v.identifiable && excess.value > 0.0 => {
+            format!("Stribeck dip of {:.2} N.m below {:.3} rad/s", excess.value, v.value)
+        }
+        Some(v) if v.identifiable => format!(
+            "T_s lies {:.2} N.m below T_c (w_s {:.3} rad/s): friction rises with speed at first, \
+             which is no Stribeck dip",
+            -excess.value, v.value
+        ),
+        _ => "no Stribeck dip shown".into(),
+    }
+}
