@@ -31,7 +31,7 @@ pub fn condition(
     let motion = differentiate(&picked, carry, grid.dt, how)?;
     let usable = usable(&grid, how)?;
     let [q, qd, qdd] = motion;
-    Ok(Samples {
+    let mut samples = Samples {
         dt: grid.dt,
         start: grid.start,
         q,
@@ -42,7 +42,20 @@ pub fn condition(
         usable,
         conditioning: how.clone(),
         notes,
-    })
+    };
+    samples.torque_filter()?;
+    samples.notes.push(decimated(&samples));
+    Ok(samples)
+}
+
+/// What becomes of the samples where torque is regressed on them.
+fn decimated(samples: &Samples) -> String {
+    let (n, cutoff) = (samples.decimation(), samples.conditioning.torque_cutoff_hz);
+    let kept = samples.rate_hz() / n as f64;
+    match cutoff > 0.0 {
+        true => format!("regressions use {kept:.3} Hz (1 in {n}) after a low-pass at {cutoff} Hz"),
+        false => format!("regressions use {kept:.3} Hz (1 in {n}), not low-passed"),
+    }
 }
 
 /// Refuses settings no recording could be conditioned with.

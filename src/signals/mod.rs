@@ -48,7 +48,8 @@ pub struct Conditioning {
     /// Samples with |qd| at or below this are not sliding, rad/s; 0 keeps all.
     pub standstill_rad_s: f64,
     /// Sliding samples nearer than this to standstill are not used either: filters smear the
-    /// arbitrary torque of a standing joint over its neighbours, s.
+    /// arbitrary torque of a standing joint over its neighbours, s. Long guards lose the slow
+    /// sliding that shows Stribeck friction.
     pub guard_s: f64,
     /// Dropped at both ends and beside gaps, where zero-phase filters have no past or future, s.
     pub margin_s: f64,
@@ -80,7 +81,7 @@ impl Default for Conditioning {
             torque_cutoff_hz: 8.0,
             filter_order: 4,
             standstill_rad_s: 0.02,
-            guard_s: 0.0,
+            guard_s: 0.05,
             margin_s: 0.5,
             decimation: None,
         }

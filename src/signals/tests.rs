@@ -287,3 +287,37 @@ fn a_recorded_torque_wins_over_current() {
     let samples = condition(&both, &drive(), 2, &Conditioning::default()).unwrap();
     assert!(samples.torque.joint(1).iter().all(|t| *t == 7.0));
 }
+
+#[test]
+fn a_torque_cutoff_above_nyquist_is_refused_at_once() {
+    let how = Conditioning { torque_cutoff_hz: 80.0, ..Conditioning::default() };
+    let error = condition(&recording(&uniform(1500)), &drive(), 2, &how).unwrap_err();
+    assert!(matches!(error, SignalError::Cutoff { cutoff_hz: 80.0, .. }), "{error}");
+}
+
+/// `SOURCE.md` beside the recording: 82.1 s at 125 Hz, 60.7 s of it moving, top speeds per joint.
+#[test]
+fn a_real_recording_is_conditioned_as_its_description_says() {
+    let shared = std::env::var("ARMTWIN_SHARED")
+        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared").into());
+    let path = std::path::Path::new(&shared)
+        .join("recordings/kkufieta-ur5_modeling_force_estimate/Movement_No6_Acc_slow_Verify_Model");
+    if !path.exists() {
+        eprintln!("skipped: {} is not there", path.display());
+        return;
+    }
+    let recording = crate::recording::read(&path, None).unwrap();
+    let samples = condition(&recording, &Drive::ur5(), 6, &Conditioning::default()).unwrap();
+    assert!((samples.rate_hz() - 125.0).abs() < 1e-6);
+    assert!((samples.len() as f64 * samples.dt - 82.1).abs() < 0.1);
+    let fast = |j, k: usize| samples.qd.joint(j)[k].abs() > 0.02;
+    let moving = (0..samples.len()).filter(|&k| (0..6).any(|j| fast(j, k))).count();
+    assert!((moving as f64 * samples.dt - 60.7).abs() < 0.5);
+    let top = |j| samples.qd.joint(j).iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    for (j, expected) in [1.06, 1.06, 1.06, 0.92, 1.02, 1.10].into_iter().enumerate() {
+        assert!((top(j) - expected).abs() < 0.05, "joint {}: {}", j + 1, top(j));
+        let still = samples.sliding(j).iter().filter(|s| !**s).count();
+        let share = still as f64 / samples.len() as f64;
+        assert!((0.48..0.90).contains(&share), "joint {}: {share}", j + 1);
+    }
+}

@@ -111,6 +111,24 @@ fn coverage(noise: Noise, n: usize, replications: u64) -> [f64; 2] {
     inside.map(|i| i as f64 / (replications * PARAMETERS as u64) as f64)
 }
 
+/// Half-width of the robust over that of the asymptotic interval, mean over parameters.
+fn price(noise: Noise, n: usize, seed: u64) -> f64 {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (jacobian, qd, slots) = arm(n, &mut rng);
+    let e = noise.draw(&qd, &mut rng);
+    let residual: Vec<f64> = slots.iter().map(|&k| e[k]).collect();
+    let zero = [0.0; PARAMETERS];
+    let found = infer(&zero, &zero, &jacobian, &residual, &slots, 0.99).unwrap();
+    let pairs = found.robust.iter().zip(&found.asymptotic);
+    pairs.map(|(r, a)| r.high / a.high).sum::<f64>() / PARAMETERS as f64
+}
+
+#[test]
+fn robustness_costs_little_where_it_is_not_needed() {
+    let price = (0..40).map(|seed| price(Noise::White, 1000, seed)).sum::<f64>() / 40.0;
+    assert!((0.98..1.15).contains(&price), "{price}");
+}
+
 #[test]
 fn robust_intervals_hold_their_level() {
     let cases = [

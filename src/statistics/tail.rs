@@ -21,6 +21,9 @@ impl PValue {
 /// 2 (1 - Phi(|z|)) = erfc(|z| / sqrt 2).
 pub fn normal_two_sided(z: f64) -> PValue {
     let x2 = 0.5 * z * z;
+    if x2.is_infinite() {
+        return PValue::from_ln(f64::NEG_INFINITY);
+    }
     let ln_front = -x2 + 0.5 * (x2 / PI).ln();
     if x2 > 2.0 {
         return PValue::from_ln(ln_front - x2.ln() + erfc_fraction(x2).ln());
@@ -54,6 +57,9 @@ pub fn student_two_sided(t: f64, dof: f64) -> PValue {
     }
     let a = 0.5 * dof;
     let ratio = t * t / dof;
+    if ratio.is_infinite() {
+        return PValue::from_ln(f64::NEG_INFINITY);
+    }
     let (x, y) = (1.0 / (1.0 + ratio), ratio / (1.0 + ratio));
     let ln_front = -a * ratio.ln_1p() + 0.5 * y.ln() - ln_beta_half(a);
     if x < (a + 1.0) / (a + 2.5) {

@@ -16,7 +16,21 @@ e = 0.3 * np.sin(1.1 * k * k % 7) + 0.2 * np.cos(0.4 * k)
 y = X @ [3.0, 0.8, -0.4] + e
 fit = sm.OLS(y, X).fit()
 
+
+
+def quadratic_spectral(scores, slots, bandwidth):
+    """Andrews (1991), Eq. 2.7: sum over all pairs of rows."""
+    x = 6 * np.pi / 5 * np.subtract.outer(slots, slots) / bandwidth
+    with np.errstate(invalid="ignore", divide="ignore"):
+        w = np.where(x == 0, 1.0, 3 / x**2 * (np.sin(x) / x - np.cos(x)))
+    return scores.T @ w @ scores
+
+
+gapped = np.concatenate([k[:25], k[25:] + 7])
 golden = {
+    "gapped": gapped.tolist(),
+    "quadratic_spectral": quadratic_spectral(X * e[:, None], gapped, 4.5).tolist(),
+    "errors": e.tolist(),
     "x": X.T.tolist(),
     "y": y.tolist(),
     "beta": fit.params.tolist(),
