@@ -5,6 +5,7 @@ mod convert;
 mod effects;
 mod identify;
 mod robots;
+mod simulate;
 mod urdf;
 
 use std::process::ExitCode;
@@ -24,6 +25,7 @@ enum Command {
     Effects(effects::Args),
     Identify(identify::Args),
     Robots(robots::Args),
+    Simulate(simulate::Args),
     Urdf(urdf::Args),
 }
 
@@ -44,6 +46,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Effects(args) => effects::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Robots(args) => robots::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
         Command::Urdf(args) => urdf::run(&args),
     }
 }

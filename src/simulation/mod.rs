@@ -1,1 +1,26 @@
-//! Robot + effects + motion -> recording: ground truth from rapier (f64 multibody).
+//! Scenario -> ground truth in rapier; controller, sensors; the RK4 reference it is measured against.
+
+pub mod accuracy;
+mod controller;
+mod inject;
+mod injection;
+mod plant;
+mod reference;
+mod run;
+mod scenario;
+mod sensors;
+mod setup;
+mod truth;
+
+pub use controller::{Command, ComputedTorque, ControllerSettings, Feedback, Target};
+pub use injection::{Injection, Injections};
+pub use plant::{Plant, PlantError};
+pub use reference::Reference;
+pub use run::{Exact, Run, Simulation, SimulationError};
+pub use scenario::{Experiment, Scenario, ScenarioError};
+pub use sensors::{Noise, Quantisation};
+pub use setup::{Clock, ClockError, Setup};
+pub use truth::Truth;
+
+#[cfg(test)]
+mod tests;

@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::Twin;
+use super::parts::{DriveTable, PerJoint, read_robot};
 use crate::effects::{self, Parameter, Scope};
 use crate::files::write_whole;
-use crate::robot::{self, Drive, Robot, RobotError};
+use crate::robot::RobotError;
 
 /// Names the file, and the key where there is one.
 #[derive(Debug, thiserror::Error)]
@@ -40,36 +41,10 @@ struct Contents {
 
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-struct DriveTable {
-    gear_ratio: Option<PerJoint>,
-    torque_constant: Option<PerJoint>,
-    rotor_inertia: Option<PerJoint>,
-    current_limit: Option<PerJoint>,
-    torque_limit: Option<PerJoint>,
-}
-
-#[derive(Debug, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 struct TwinTable {
     effects: Option<Vec<String>>,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     values: BTreeMap<String, PerJoint>,
-}
-
-#[derive(Debug, Clone, Serialize, Deserialize)]
-#[serde(untagged, expecting = "a number for all joints or a list with one number per joint")]
-enum PerJoint {
-    All(f64),
-    Each(Vec<f64>),
-}
-
-impl PerJoint {
-    fn expand(&self, count: usize) -> Vec<f64> {
-        match self {
-            PerJoint::All(value) => vec![*value; count],
-            PerJoint::Each(values) => values.clone(),
-        }
-    }
 }
 
 impl Twin {
@@ -92,7 +67,9 @@ impl Twin {
             file: file.into(),
             problem: e.to_string().trim_end().to_string(),
         })?;
-        let (source, robot) = read_robot(contents.robot, file)?;
+        let name = contents.robot.unwrap_or_else(|| Self::default().source);
+        let (source, robot) = read_robot(&name, file)
+            .map_err(|source| TwinError::Robot { file: file.into(), source })?;
         let drive = contents
             .drive
             .on(&source, robot.dof())
@@ -128,46 +105,6 @@ impl Twin {
     pub fn save(&self, path: &Path) -> Result<(), TwinError> {
         write_whole(path, |out| out.write_all(self.to_toml().as_bytes()))
             .map_err(|source| TwinError::Write { file: path.into(), source })
-    }
-}
-
-/// The built-in arm, or the URDF with its path made absolute, so that a twin saved elsewhere
-/// finds it.
-fn read_robot(name: Option<String>, file: &Path) -> Result<(String, Robot), TwinError> {
-    let name = name.unwrap_or_else(|| Twin::default().source);
-    let beside = file.parent().unwrap_or(Path::new("")).join(&name);
-    let source = match robot::builtin(&name) {
-        None if beside.exists() => {
-            std::path::absolute(&beside).unwrap_or(beside).display().to_string()
-        }
-        _ => name,
-    };
-    let robot =
-        robot::load(&source).map_err(|source| TwinError::Robot { file: file.into(), source })?;
-    Ok((source, robot))
-}
-
-impl DriveTable {
-    fn on(&self, robot: &str, dof: usize) -> Result<Drive, RobotError> {
-        let each = |v: &Option<PerJoint>| v.as_ref().map(|v| v.expand(dof));
-        let mut drive = match (each(&self.gear_ratio), each(&self.torque_constant)) {
-            (Some(gear_ratio), Some(torque_constant)) => Drive::new(gear_ratio, torque_constant),
-            (gear_ratio, torque_constant) => {
-                let known = Drive::for_robot(robot, dof)?;
-                Drive {
-                    gear_ratio: gear_ratio.unwrap_or(known.gear_ratio),
-                    torque_constant: torque_constant.unwrap_or(known.torque_constant),
-                    ..known
-                }
-            }
-        };
-        if let Some(rotor_inertia) = each(&self.rotor_inertia) {
-            drive.rotor_inertia = rotor_inertia;
-        }
-        drive.current_limit = each(&self.current_limit).or(drive.current_limit);
-        drive.torque_limit = each(&self.torque_limit).or(drive.torque_limit);
-        drive.check(dof)?;
-        Ok(drive)
     }
 }
 

@@ -4,11 +4,13 @@
 //! tau = ID(q, qd, qdd) + Ja qdd + sum of the effects whose values are known.
 
 mod file;
+mod parts;
 
 #[cfg(test)]
 mod tests;
 
 pub use file::TwinError;
+pub use parts::{DriveTable, PerJoint, read_robot};
 
 use std::collections::BTreeMap;
 

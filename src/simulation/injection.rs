@@ -1,0 +1,79 @@
+//! Effects at work: catalogue entries with their values, joint by joint.
+
+use crate::effects::{Effect, JointLoad, JointState, Mechanism, Scope};
+
+/// An effect and its parameter values at some joints (or for the whole arm).
+#[derive(Clone)]
+pub struct Injection {
+    pub effect: &'static dyn Effect,
+    /// Joints it acts on, from 0.
+    pub joints: Vec<usize>,
+    /// In the order of the effect's parameters; one row per entry of `joints`, a single row for
+    /// an effect of the whole arm.
+    pub values: Vec<Vec<f64>>,
+}
+
+impl Injection {
+    fn row(&self, i: usize) -> &[f64] {
+        match self.effect.about().scope {
+            Scope::Joint => &self.values[i],
+            Scope::Arm => &self.values[0],
+        }
+    }
+}
+
+/// All injected effects, laid out for the simulation's inner loop.
+#[derive(Clone, Default)]
+pub struct Injections {
+    acting: Vec<Acting>,
+}
+
+#[derive(Clone)]
+struct Acting {
+    effect: &'static dyn Effect,
+    joint: usize,
+    values: Vec<f64>,
+    memory: Vec<f64>,
+    /// An effect of the whole arm changes the mechanism once.
+    builds: bool,
+}
+
+impl Injections {
+    pub fn new(list: &[Injection]) -> Self {
+        let mut acting = Vec::new();
+        for injection in list {
+            let whole_arm = injection.effect.about().scope == Scope::Arm;
+            for (i, &joint) in injection.joints.iter().enumerate() {
+                acting.push(Acting {
+                    effect: injection.effect,
+                    joint,
+                    values: injection.row(i).to_vec(),
+                    memory: vec![0.0; injection.effect.about().memory],
+                    builds: i == 0 || !whole_arm,
+                });
+            }
+        }
+        Self { acting }
+    }
+
+    /// What the effects change before the first step.
+    pub fn build(&self, mechanism: &mut Mechanism) {
+        for a in self.acting.iter().filter(|a| a.builds) {
+            a.effect.build(&a.values, a.joint, mechanism);
+        }
+    }
+
+    /// As before the first step.
+    pub fn forget(&mut self) {
+        self.acting.iter_mut().for_each(|a| a.memory.fill(0.0));
+    }
+
+    /// What acts on each joint in the step that begins in `states`. To be called once per step:
+    /// effects with memory move on.
+    pub fn loads(&mut self, states: &[JointState], loads: &mut [JointLoad]) {
+        loads.fill(JointLoad::default());
+        for a in &mut self.acting {
+            a.effect.act(&a.values, &states[a.joint], &mut a.memory, &mut loads[a.joint]);
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! `SCENARIO.toml`: an experiment on a simulated arm, and its translation into a [`Setup`].
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::inject::injections;
+use super::setup::{Clock, Setup};
+use super::{ControllerSettings, Noise, Quantisation};
+use crate::motion::{Settings, Trajectory};
+use crate::twin::{DriveTable, PerJoint, read_robot};
+
+/// The file as written. Tables and keys that are left out take their defaults; unknown ones are
+/// errors.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Scenario {
+    /// A built-in name or the path of a URDF.
+    pub robot: String,
+    /// Of the sensors' noise; the motions have their own.
+    pub seed: u64,
+    /// Of the recording, Hz.
+    pub rate_hz: f64,
+    /// Of the simulation, s.
+    pub step_s: f64,
+    pub drive: DriveTable,
+    /// What the arm does in `fit.csv`.
+    pub motion: Settings,
+    /// What it does in `check.csv`: keys that differ from `motion`; left out, the next seed.
+    pub check: toml::Table,
+    pub controller: ControllerSettings,
+    pub noise: Noise,
+    pub quantisation: Quantisation,
+    /// Names of effects whose values may leave the catalogue's range, on purpose.
+    pub beyond_range: Vec<String>,
+    /// By name of the catalogue, each with its parameters and, if not all, the `joints` (from 1).
+    pub effects: BTreeMap<String, BTreeMap<String, PerJoint>>,
+}
+
+impl Default for Scenario {
+    fn default() -> Self {
+        Self {
+            robot: "ur5".into(),
+            seed: 1,
+            rate_hz: 125.0,
+            step_s: 0.0005,
+            drive: DriveTable::default(),
+            motion: Settings::default(),
+            check: toml::Table::new(),
+            controller: ControllerSettings::default(),
+            noise: Noise::default(),
+            quantisation: Quantisation::default(),
+            beyond_range: Vec::new(),
+            effects: BTreeMap::new(),
+        }
+    }
+}
+
+/// `{file}: {what is wrong, with the key, and what to do}`.
+#[derive(Debug, thiserror::Error)]
+#[error("{file}: {problem}")]
+pub struct ScenarioError {
+    pub file: String,
+    pub problem: String,
+}
+
+/// A scenario worked out: what to simulate and along which two trajectories.
+#[derive(Clone)]
+pub struct Experiment {
+    pub setup: Setup,
+    pub seed: u64,
+    pub fit: Trajectory,
+    pub check: Trajectory,
+    /// The settings that made `check`.
+    pub check_motion: Settings,
+}
+
+impl Scenario {
+    pub fn load(path: &Path) -> Result<Self, ScenarioError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|e| ScenarioError {
+            file: file.clone(),
+            problem: format!("cannot read it: {e}; give the path of a scenario file (TOML)"),
+        })?;
+        Self::parse(&text, &file)
+    }
+
+    /// `file` names the text in messages.
+    pub fn parse(text: &str, file: &str) -> Result<Self, ScenarioError> {
+        toml::from_str(text).map_err(|e| ScenarioError {
+            file: file.into(),
+            problem: format!("not a valid scenario: {}", e.to_string().trim_end()),
+        })
+    }
+
+    /// Cuts both motions to `duration_s`.
+    pub fn shorten(&mut self, duration_s: f64) {
+        self.motion.duration_s = duration_s;
+        self.check.remove("duration_s");
+    }
+
+    /// Checks every value and builds what the simulation needs; `file` names the scenario in
+    /// messages, and a URDF's path counts from its folder.
+    pub fn work_out(&self, file: &str) -> Result<Experiment, ScenarioError> {
+        self.resolve(Path::new(file))
+            .map_err(|problem| ScenarioError { file: file.into(), problem })
+    }
+
+    fn resolve(&self, file: &Path) -> Result<Experiment, String> {
+        let (_, robot) = read_robot(&self.robot, file).map_err(|e| format!("robot: {e}"))?;
+        let drive = self.drive.on(&self.robot, robot.dof()).map_err(|e| e.to_string())?;
+        self.noise.check()?;
+        self.quantisation.check()?;
+        self.controller.check()?;
+        let clock = Clock::new(self.step_s, self.controller.rate_hz, self.rate_hz);
+        let clock = clock.map_err(|e| e.to_string())?;
+        let effects = injections(&self.effects, &self.beyond_range, robot.dof())?;
+        let fit = self.motion.trajectory(&robot).map_err(|e| e.to_string())?;
+        let check_motion = self.check_motion()?;
+        let check = check_motion.trajectory(&robot).map_err(|e| format!("in [check], {e}"))?;
+        let (controller, noise, quantisation) =
+            (self.controller.clone(), self.noise, self.quantisation);
+        let setup = Setup { robot, drive, effects, controller, noise, quantisation, clock };
+        Ok(Experiment { setup, seed: self.seed, fit, check, check_motion })
+    }
+
+    /// `[motion]` with the keys of `[check]` written over it.
+    fn check_motion(&self) -> Result<Settings, String> {
+        let next = Settings { seed: self.motion.seed.wrapping_add(1), ..self.motion.clone() };
+        let mut table = toml::Table::try_from(&next).map_err(|e| format!("[check]: {e}"))?;
+        table.extend(self.check.clone());
+        table.try_into().map_err(|e: toml::de::Error| format!("[check]: {}", e.message()))
+    }
+}

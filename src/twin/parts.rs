@@ -1,0 +1,81 @@
+//! What twin and scenario files have in common: the arm, its `[drive]`, values per joint.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::robot::{self, Drive, Robot, RobotError};
+
+/// `5.0` or `[5.0, 6.0, 4.5, 1.2, 1.4, 1.2]`, base to wrist.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "a number for all joints or a list with one number per joint")]
+pub enum PerJoint {
+    All(f64),
+    Each(Vec<f64>),
+}
+
+impl PerJoint {
+    /// `count` values; a list stays as long as it is.
+    pub fn expand(&self, count: usize) -> Vec<f64> {
+        match self {
+            PerJoint::All(value) => vec![*value; count],
+            PerJoint::Each(values) => values.clone(),
+        }
+    }
+}
+
+/// The `[drive]` table: what is left out is the built-in arm's.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DriveTable {
+    pub gear_ratio: Option<PerJoint>,
+    pub torque_constant: Option<PerJoint>,
+    pub rotor_inertia: Option<PerJoint>,
+    pub current_limit: Option<PerJoint>,
+    pub torque_limit: Option<PerJoint>,
+}
+
+impl DriveTable {
+    /// The drive of an arm of `dof` joints; `robot` is its name or path.
+    ///
+    /// # Errors
+    /// If a value is missing for this arm, is not positive, or a list has the wrong length.
+    pub fn on(&self, robot: &str, dof: usize) -> Result<Drive, RobotError> {
+        let each = |v: &Option<PerJoint>| v.as_ref().map(|v| v.expand(dof));
+        let mut drive = match (each(&self.gear_ratio), each(&self.torque_constant)) {
+            (Some(gear_ratio), Some(torque_constant)) => Drive::new(gear_ratio, torque_constant),
+            (gear_ratio, torque_constant) => {
+                let known = Drive::for_robot(robot, dof)?;
+                Drive {
+                    gear_ratio: gear_ratio.unwrap_or(known.gear_ratio),
+                    torque_constant: torque_constant.unwrap_or(known.torque_constant),
+                    ..known
+                }
+            }
+        };
+        if let Some(rotor_inertia) = each(&self.rotor_inertia) {
+            drive.rotor_inertia = rotor_inertia;
+        }
+        drive.current_limit = each(&self.current_limit).or(drive.current_limit);
+        drive.torque_limit = each(&self.torque_limit).or(drive.torque_limit);
+        drive.check(dof)?;
+        Ok(drive)
+    }
+}
+
+/// The built-in arm, or the URDF: its path counts from the folder of `file` and is made absolute,
+/// so that what is saved elsewhere finds it. Returns that name or path with the arm.
+///
+/// # Errors
+/// If there is no such arm or the URDF is not one.
+pub fn read_robot(name: &str, file: &Path) -> Result<(String, Robot), RobotError> {
+    let beside = file.parent().unwrap_or(Path::new("")).join(name);
+    let source = match robot::builtin(name) {
+        None if beside.exists() => {
+            std::path::absolute(&beside).unwrap_or(beside).display().to_string()
+        }
+        _ => name.to_string(),
+    };
+    let robot = robot::load(&source)?;
+    Ok((source, robot))
+}
