@@ -1,5 +1,6 @@
 //! The command line: one file per command, each with its `Args` and `run`.
 
+mod accuracy;
 mod conditioning;
 mod convert;
 mod effects;
@@ -21,6 +22,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Accuracy(accuracy::Args),
     Convert(convert::Args),
     Effects(effects::Args),
     Identify(identify::Args),
@@ -42,6 +44,7 @@ pub fn main() -> ExitCode {
 
 fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
+        Command::Accuracy(args) => accuracy::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Effects(args) => effects::run(&args),
         Command::Identify(args) => identify::run(&args),

@@ -1,1 +1,155 @@
+//! Accuracy against an independent integrator and closed forms; sensors do what they claim.
 
+use nalgebra::{Matrix3, Unit, Vector3};
+
+use super::accuracy::{Bench, Friction, balance, consistency, creep, deviations};
+use super::*;
+use crate::effects::{JointLoad, Mechanism};
+use crate::robot::{Body, Inertia, Joint, Limits, Placement, Robot, builtin};
+
+fn bench(dry: f64, viscous: f64) -> Bench {
+    Bench::new(builtin("ur5").unwrap(), Friction { dry, viscous })
+}
+
+fn experiment(changes: &str) -> Experiment {
+    let text = format!(
+        "{changes}
+        [drive]
+        rotor_inertia = [1.1, 1.1, 1.1, 0.14, 0.14, 0.14]
+        [motion]
+        kind = \"random_frequency\"
+        duration_s = 10
+        [effects.coulomb]
+        coulomb = [6, 7, 5, 1.5, 1.2, 1]
+        [effects.stribeck]
+        stribeck_excess = 0.4
+        stribeck_velocity = 0.05
+        [effects.viscous]
+        viscous = [8, 9, 7, 1.5, 1.2, 1]"
+    );
+    Scenario::parse(&text, "test").unwrap().work_out("test").unwrap()
+}
+
+fn run(made: &Experiment) -> Run {
+    Simulation::new(&made.setup).unwrap().run(&made.fit, made.seed, 0, &mut |_| true).unwrap()
+}
+
+#[test]
+fn error_against_runge_kutta_shrinks_in_proportion_to_the_step() {
+    for friction in [bench(0.0, 1.0), bench(1.0, 1.0)] {
+        let rows = deviations(&friction, 4.0, &[1e-3, 5e-4]).unwrap();
+        let order = rows[1].order.unwrap();
+        assert!((0.8..1.4).contains(&order), "{rows:?}");
+        assert!(rows[1].position_rad < 5e-3, "{rows:?}");
+    }
+}
+
+#[test]
+fn a_joint_sticks_below_breakaway_and_goes_above_it() {
+    let pose = [0.0, -1.6, 1.1, -1.2, -1.5, 0.0];
+    let moved = |share| creep(&bench(1.0, 1.0), &pose, share, 2.0, 5e-4).unwrap();
+    assert!(moved(0.5) < 1e-6, "crept {} rad", moved(0.5));
+    assert!(moved(0.95) < 1e-6, "crept {} rad", moved(0.95));
+    assert!(moved(1.05) > 0.05, "moved only {} rad", moved(1.05));
+}
+
+#[test]
+fn work_of_the_motors_is_stored_or_turned_into_heat() {
+    let books = balance(&bench(1.0, 1.0), 4.0, 5e-4).unwrap();
+    assert!(books.heat > 10.0, "{books:?}");
+    assert!(books.open_share() < 2e-3, "{books:?}");
+}
+
+#[test]
+fn every_row_of_a_recording_satisfies_the_equation_of_motion() {
+    let made = experiment("");
+    let rows = consistency(&made.setup, &made.fit).unwrap();
+    for (residual, torque) in rows.residual_nm.iter().zip(&rows.torque_nm) {
+        assert!(residual < &(5e-4 * torque), "{rows:?}");
+    }
+}
+
+/// A wheel of 2 kg.m2 without gravity.
+fn wheel() -> Mechanism {
+    let inertia =
+        Inertia { mass: 1.0, com: Vector3::zeros(), about_com: Matrix3::identity() * 2.0 };
+    let limits = Limits { lower: -1e9, upper: 1e9, velocity: 1e9, effort: 1e9 };
+    let placement = Placement::identity();
+    let joint =
+        Joint { name: "j".into(), placement, axis: Unit::new_normalize(-Vector3::y()), limits };
+    let body = Body { name: "wheel".into(), parent: None, joint, inertia };
+    let gravity = Vector3::zeros();
+    Mechanism::new(Robot { name: "wheel".into(), bodies: vec![body], gravity, flange: placement })
+}
+
+/// Pushed with 5 N.m for 1 s against 3 N.m of dry friction: (5 - 3)/2 = 1 rad/s^2 up to 1 rad/s
+/// and 0.5 rad; then 3/2 rad/s^2 down: stands after another 2/3 s and 1/3 rad.
+#[test]
+fn a_pushed_wheel_stops_where_the_closed_form_says() {
+    let load = JointLoad { dry: 3.0, ..JointLoad::default() };
+    let push = |t: f64| if t < 1.0 { 5.0 } else { 0.0 };
+    let mut reference = Reference::new(wheel(), &[0.0]);
+    let mut plant = Plant::new(&wheel(), 1e-3).unwrap();
+    for k in 0..2000 {
+        let tau = push(f64::from(k) * 1e-3);
+        let forces = |_: f64, _: &[f64], _: &[f64], out: &mut [f64], loads: &mut [JointLoad]| {
+            (out[0], loads[0]) = (tau, load);
+        };
+        reference.step(1e-3, &mut { forces });
+        plant.step(&[tau], &[load]);
+    }
+    assert!((reference.q()[0] - 5.0 / 6.0).abs() < 1e-9, "{}", reference.q()[0]);
+    assert!(reference.is_stuck(0) && reference.v() == [0.0]);
+    assert!((plant.q()[0] - 5.0 / 6.0).abs() < 1e-3, "{}", plant.q()[0]);
+    assert!(plant.v()[0].abs() < 1e-9, "{}", plant.v()[0]);
+}
+
+#[test]
+fn current_noise_has_the_asked_ratio_to_each_joints_own_current() {
+    let made = experiment("rate_hz = 500\n[noise]\nsnr_db = 28");
+    let run = run(&made);
+    for j in 0..6 {
+        let seen = run.recording.channel(&format!("actual_current_{j}")).unwrap();
+        let ampere = made.setup.drive.torque_per_ampere(j);
+        let exact = run.exact.tau.joint(j).iter().map(|tau| tau / ampere);
+        let noise: f64 = exact.clone().zip(seen).map(|(x, y)| (x - y).powi(2)).sum();
+        let snr_db = 10.0 * (exact.map(|x| x * x).sum::<f64>() / noise).log10();
+        assert!((snr_db - 28.0).abs() < 0.3, "joint {j}: {snr_db} dB");
+    }
+}
+
+#[test]
+fn recorded_values_lie_on_the_steps_of_their_sensors() {
+    let steps = "[quantisation]\nposition_rad = 1e-3\ncurrent_a = 0.01";
+    let run = run(&experiment(steps));
+    for (name, step) in [("actual_q_1", 1e-3), ("actual_current_2", 0.01)] {
+        let values = run.recording.channel(name).unwrap();
+        let off = values.iter().map(|x| (x / step - (x / step).round()).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-9, "{name}");
+        assert!(values.iter().any(|x| *x != values[0]), "{name} is constant");
+    }
+}
+
+#[test]
+fn a_simulation_can_be_used_again_and_sent_to_another_thread() {
+    let made = experiment("[noise]\nsnr_db = 30\n[controller]\nfeedback = \"sensors\"");
+    let mut simulation = Simulation::new(&made.setup).unwrap();
+    let mut run = |number| simulation.run(&made.fit, 7, number, &mut |_| true).unwrap();
+    let (first, other, again) = (run(0), run(1), run(0));
+    assert_eq!(first, again);
+    assert_ne!(first.recording.channels, other.recording.channels);
+    let elsewhere =
+        std::thread::spawn(move || simulation.run(&made.fit, 7, 0, &mut |_| true).unwrap());
+    assert_eq!(elsewhere.join().unwrap(), first);
+}
+
+#[test]
+fn samples_lie_in_the_middle_of_what_the_controller_holds() {
+    let clock = Clock::new(0.0005, 500.0, 125.0).unwrap();
+    assert_eq!((clock.steps_per_hold, clock.steps_per_sample), (4, 16));
+    let controls: Vec<usize> = (0..17).filter(|&k| clock.controls(k)).collect();
+    assert_eq!(controls, [0, 2, 6, 10, 14]);
+    assert!(clock.samples(16) && !clock.samples(14));
+    let error = Clock::new(0.0005, 500.0, 120.0).unwrap_err();
+    assert!(error.to_string().contains("rate_hz = 120"), "{error}");
+}

@@ -1,11 +1,31 @@
 //! How accurate the simulated ground truth is, measured: what docs/accuracy.md is made from.
 
+mod consistency;
+mod energy;
 mod open_loop;
+mod stiction;
+mod study;
 
+pub use consistency::{Consistency, consistency};
+pub use energy::{Balance, balance};
 pub use open_loop::{Deviation, deviations};
+pub use stiction::creep;
+pub use study::{Costs, Creep, Study};
 
+use super::{PlantError, SimulationError};
 use crate::effects::{JointLoad, Mechanism};
+use crate::motion::MotionError;
 use crate::robot::Robot;
+
+#[derive(Debug, thiserror::Error)]
+pub enum AccuracyError {
+    #[error(transparent)]
+    Plant(#[from] PlantError),
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+}
 
 /// The arm on which accuracy is measured, with friction that depends on the velocity alone.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! rapier against the Runge-Kutta reference: both driven blindly by the same torque over time.
 
-use super::Bench;
+use super::{AccuracyError, Bench};
 use crate::effects::JointLoad;
 use crate::motion::{Kind, Settings, Trajectory};
 use crate::robot::{Workspace, inverse_dynamics};
@@ -17,15 +17,18 @@ pub struct Deviation {
 
 /// Above the table an arm without feedback falls away from any path, and errors grow with it.
 const HANGING_RAD: [f64; 6] = [0.0, 1.57, 0.0, 0.0, 0.0, 0.0];
-/// Seconds of motion.
-const DURATION_S: f64 = 10.0;
 /// The states are compared this often; every step size divides it.
 const COMPARED_S: f64 = 0.004;
 const REFERENCE_STEP_S: f64 = 0.0005;
 
-/// Errors at each step size, coarse to fine, with the given friction at every joint.
-pub fn deviations(bench: &Bench, steps_s: &[f64]) -> Result<Vec<Deviation>, PlantError> {
-    let blind = Blind::new(bench);
+/// Over `duration_s` of motion (3 s or more) at each step size, coarse to fine; the step sizes
+/// divide 4 ms.
+pub fn deviations(
+    bench: &Bench,
+    duration_s: f64,
+    steps_s: &[f64],
+) -> Result<Vec<Deviation>, AccuracyError> {
+    let blind = Blind::new(bench, duration_s)?;
     let truth = blind.by_runge_kutta(REFERENCE_STEP_S);
     let mut rows: Vec<Deviation> = Vec::new();
     for &step_s in steps_s {
@@ -41,32 +44,38 @@ pub fn deviations(bench: &Bench, steps_s: &[f64]) -> Result<Vec<Deviation>, Plan
 }
 
 /// Feed-forward of what the arm needs along a trajectory, never corrected.
-struct Blind<'a> {
+pub(super) struct Blind<'a> {
     bench: &'a Bench,
     command: Trajectory,
 }
 
 impl<'a> Blind<'a> {
-    fn new(bench: &'a Bench) -> Self {
+    pub fn new(bench: &'a Bench, duration_s: f64) -> Result<Self, AccuracyError> {
         let settings = Settings {
             kind: Kind::RandomFrequency,
             seed: 5,
-            duration_s: DURATION_S,
+            duration_s,
             rest_s: 0.2,
             home_rad: Some(HANGING_RAD.to_vec()),
             ..Settings::default()
         };
-        let command = settings.trajectory(&bench.mechanism.robot);
-        Self { bench, command: command.unwrap_or_else(|e| unreachable!("constant settings: {e}")) }
+        let command = settings.trajectory(&bench.mechanism.robot)?;
+        Ok(Self { bench, command })
     }
 
-    fn start(&self) -> Vec<f64> {
+    /// rad
+    pub fn start(&self) -> Vec<f64> {
         let mut target = Target::still(self.bench.mechanism.robot.dof());
         target.aim(&self.command, 0.0);
         target.q
     }
 
-    fn torque(&self) -> impl FnMut(f64, &mut [f64]) {
+    pub fn steps(&self, step_s: f64) -> usize {
+        (self.command.duration() / step_s) as usize
+    }
+
+    /// N.m at time t (s).
+    pub fn torque(&self) -> impl FnMut(f64, &mut [f64]) {
         let mechanism = &self.bench.mechanism;
         let mut workspace = Workspace::new(&mechanism.robot);
         let mut target = Target::still(mechanism.robot.dof());
@@ -88,7 +97,7 @@ impl<'a> Blind<'a> {
         let mut torque = self.torque();
         let per_row = (COMPARED_S / step_s).round() as usize;
         let mut rows = Vec::new();
-        for k in 0..(DURATION_S / step_s) as usize {
+        for k in 0..self.steps(step_s) {
             if k.is_multiple_of(per_row) {
                 rows.push(arm.q().to_vec());
             }
@@ -112,15 +121,12 @@ impl<'a> Blind<'a> {
         let (mut tau, mut loads) = (still, vec![JointLoad::default(); arm.dof()]);
         let per_row = (COMPARED_S / step_s).round() as usize;
         let mut rows = Vec::new();
-        for k in 0..(DURATION_S / step_s) as usize {
+        for k in 0..self.steps(step_s) {
             if k.is_multiple_of(per_row) {
                 rows.push(arm.q().to_vec());
             }
             torque(k as f64 * step_s, &mut tau);
-            let v: Vec<f64> = if std::env::var("PREDICT").is_ok() {
-                arm.v().iter().zip(arm.a()).map(|(v, a)| v + 0.5 * step_s * a).collect()
-            } else { arm.v().to_vec() };
-            self.bench.loads(&v, &mut loads);
+            self.bench.loads(arm.v(), &mut loads);
             arm.step(&tau, &loads);
         }
         Ok(rows)

@@ -1,0 +1,97 @@
+//! `armtwin accuracy`: how far the simulated ground truth can be trusted.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::Context;
+use indicatif::ProgressBar;
+
+use crate::effects::JointLoad;
+use crate::files::write_whole;
+use crate::robot::{self, Robot};
+use crate::simulation::accuracy::{Bench, Costs, Friction, Study};
+use crate::simulation::{Experiment, Plant, Reference, Scenario, Simulation};
+
+/// Measure the accuracy of the simulation and write the page about it
+#[derive(clap::Args)]
+#[command(after_help = "Example: armtwin accuracy -o docs/accuracy.md")]
+pub struct Args {
+    /// Markdown file to write; left out, standard output
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// The measurements as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+const SCENARIO: &str = "scenarios/ur5_friction.toml";
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let scenario = Scenario::parse(include_str!("../../scenarios/ur5_friction.toml"), SCENARIO)?;
+    let made = scenario.work_out(SCENARIO)?;
+    let robot = robot::load(&scenario.robot)?;
+    let bar = ProgressBar::new_spinner();
+    bar.enable_steady_tick(std::time::Duration::from_millis(100));
+    let study = Study::run(&robot, &made, &mut |what| bar.set_message(what.to_string()))?;
+    bar.set_message("cost of a step");
+    let costs = costs(&robot, &made)?;
+    bar.finish_and_clear();
+    if let Some(json) = &args.json {
+        let all =
+            serde_json::json!({ "schema": "armtwin.accuracy/1", "study": study, "costs": costs });
+        write(json, &format!("{all:#}\n"))?;
+    }
+    match &args.out {
+        Some(out) => write(out, &study.page(&costs)),
+        None => {
+            print!("{}", study.page(&costs));
+            Ok(())
+        }
+    }
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    write_whole(path, |out| out.write_all(text.as_bytes()))
+        .with_context(|| format!("cannot write {}", path.display()))
+}
+
+const TIMED_STEPS: usize = 20_000;
+
+fn costs(robot: &Robot, made: &Experiment) -> anyhow::Result<Costs> {
+    let bench = Bench::new(robot.clone(), Friction { dry: 1.0, viscous: 1.0 });
+    let step_s = made.setup.clock.step_s;
+    let tau = vec![3.0; robot.dof()];
+    let mut loads = vec![JointLoad::default(); robot.dof()];
+
+    let mut plant = Plant::new(&bench.mechanism, step_s)?;
+    let start = Instant::now();
+    for _ in 0..TIMED_STEPS {
+        bench.loads(plant.v(), &mut loads);
+        plant.step(&tau, &loads);
+    }
+    let rapier_us = per_step(start, TIMED_STEPS);
+
+    let mut reference = Reference::new(bench.mechanism.clone(), &vec![0.0; robot.dof()]);
+    let start = Instant::now();
+    for _ in 0..TIMED_STEPS / 10 {
+        reference.step(step_s, &mut |_: f64,
+                                     _: &[f64],
+                                     v: &[f64],
+                                     out: &mut [f64],
+                                     loads: &mut [JointLoad]| {
+            out.copy_from_slice(&tau);
+            bench.loads(v, loads);
+        });
+    }
+    let reference_us = per_step(start, TIMED_STEPS / 10);
+
+    let mut simulation = Simulation::new(&made.setup)?;
+    let start = Instant::now();
+    simulation.run(&made.fit, made.seed, 0, &mut |_| true)?;
+    let closed_loop_us = per_step(start, (made.fit.duration() / step_s) as usize);
+    Ok(Costs { rapier_us, closed_loop_us, reference_us })
+}
+
+fn per_step(start: Instant, steps: usize) -> f64 {
+    1e6 * start.elapsed().as_secs_f64() / steps as f64
+}
