@@ -10,8 +10,8 @@ pub enum RobotError {
          give one of those names or the path of a URDF"
     )]
     Unknown { name: String, built_in: String },
-    #[error("{}: cannot read it: {source}; give the path of a URDF file", file.display())]
-    Read { file: PathBuf, source: std::io::Error },
+    #[error("{}: cannot read it: {cause}; give the path of a URDF file", file.display())]
+    Read { file: PathBuf, cause: std::io::Error },
     #[error("{file}: not a valid URDF: {reason}; repair the XML")]
     Malformed { file: String, reason: String },
     #[error("{file}: {element} `{name}`: {problem}")]

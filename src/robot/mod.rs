@@ -6,6 +6,8 @@ mod error;
 mod model;
 pub mod spatial;
 pub mod tables;
+#[cfg(test)]
+mod tests;
 pub mod urdf;
 
 pub use drive::Drive;

@@ -1,6 +1,7 @@
 //! URDF text <-> [`Robot`](super::Robot).
 
 mod check;
+mod locate;
 mod read;
 #[cfg(test)]
 mod tests;

@@ -6,18 +6,20 @@ use nalgebra::{Rotation3, Unit, Vector3};
 use urdf_rs::{JointType, Link, Pose};
 
 use super::check::{self, File};
+use super::locate;
 use crate::robot::{Body, Inertia, Joint, Limits, Placement, Robot, RobotError};
 
 /// Frames that users mean by the flange, best first.
 const FLANGES: [&str; 3] = ["tool0", "flange", "ee_link"];
 
-/// Reads a URDF file. The root link is the base; its mass plays no role.
+/// Reads a URDF file. The root link is the base; its mass plays no role. An effort limit of 0 or
+/// none counts as unlimited.
 ///
 /// # Errors
 /// One message naming the file, and the link or joint that is wrong.
 pub fn read_file(path: &Path) -> Result<Robot, RobotError> {
     let text = std::fs::read_to_string(path)
-        .map_err(|source| RobotError::Read { file: path.into(), source })?;
+        .map_err(|cause| RobotError::Read { file: path.into(), cause })?;
     read(&text, &path.display().to_string())
 }
 
@@ -26,16 +28,27 @@ pub fn read_file(path: &Path) -> Result<Robot, RobotError> {
 /// # Errors
 /// As [`read_file`].
 pub fn read(text: &str, file: &str) -> Result<Robot, RobotError> {
-    let urdf = urdf_rs::read_from_string(text).map_err(|e| RobotError::Malformed {
-        file: file.into(),
-        reason: e.to_string().lines().next().unwrap_or_default().trim().into(),
-    })?;
+    let urdf = urdf_rs::read_from_string(text).map_err(|e| malformed(text, file, &e))?;
     let file = File(file);
     let root = check::tree(file, &urdf)?;
     check::numbers(file, &urdf)?;
     let mut reader = Reader { file, urdf: &urdf, bodies: Vec::new(), frames: Vec::new() };
     reader.descend(root, None, &Placement::identity())?;
     reader.finish()
+}
+
+fn malformed(text: &str, file: &str, error: &urdf_rs::UrdfError) -> RobotError {
+    let message = error.to_string();
+    let reason = message.lines().next().unwrap_or_default().trim_start_matches("custom: ");
+    match locate::refused_element(text) {
+        Some((element, name)) => RobotError::Element {
+            file: file.into(),
+            element,
+            name: name.into(),
+            problem: format!("{reason}; add or correct it"),
+        },
+        None => RobotError::Malformed { file: file.into(), reason: reason.into() },
+    }
 }
 
 struct Reader<'a> {

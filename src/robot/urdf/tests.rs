@@ -149,6 +149,14 @@ fn bad_structure_is_refused() {
     assert_refused("<robot name=\"x\"><link name=\"a\">", &["not a valid URDF"]);
     assert_refused("<robot name=\"x\"></robot>", &["no links"]);
     assert_refused("<robot name=\"x\"><link name=\"a\"/></robot>", &["no moving joint"]);
+    assert_refused(
+        &with("<mass value=\"2.33\"/>", ""),
+        &["link `forearm_link`", "missing field `mass`", "correct"],
+    );
+    assert_refused(
+        &with("type=\"revolute\"", "type=\"hinge\""),
+        &["joint `shoulder_pan_joint`", "unknown variant `hinge`", "revolute"],
+    );
     let loop_back = "<joint name=\"back\" type=\"fixed\"><parent link=\"tool0\"/>\
                      <child link=\"NAME\"/></joint></robot>";
     let closed = |link| with("</robot>", &loop_back.replace("NAME", link));
