@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::effects::{About, CATALOGUE, Parameter, Role, Scope, find, names};
-use crate::report::table;
+use crate::report::{paragraph, table};
 
 /// List the physical effects the twin can inject and explain
 #[derive(clap::Args)]
@@ -20,8 +20,6 @@ pub struct Args {
     #[arg(long)]
     json: bool,
 }
-
-const WIDTH: usize = 96;
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let all = || CATALOGUE.iter().map(|e| e.about());
@@ -62,7 +60,7 @@ fn details(about: &About) -> String {
     for (label, what) in
         [("cause", about.cause), ("remedy", about.remedy), ("source", about.source)]
     {
-        text += &labelled(label, what);
+        text += &paragraph(&format!("  {label:<8}"), what);
     }
     let header = ["parameter", "symbol", "unit", "enters", "sign", "range", "typical", "absent at"];
     let rows = about.parameters.iter().map(|p| {
@@ -108,20 +106,4 @@ fn sign(p: &Parameter) -> &'static str {
 
 fn range(p: &Parameter) -> String {
     format!("{} to {}", p.min, p.max)
-}
-
-/// `label` and a text broken between words, further lines indented below the first.
-fn labelled(label: &str, what: &str) -> String {
-    let mut text = String::new();
-    let mut line = format!("  {label:<8}");
-    for word in what.split_whitespace() {
-        if line.len() + 1 + word.len() > WIDTH {
-            text += line.trim_end();
-            text.push('\n');
-            line = " ".repeat(10);
-        }
-        line += word;
-        line.push(' ');
-    }
-    text + line.trim_end() + "\n"
 }

@@ -1,6 +1,6 @@
 //! `armtwin robots`: the built-in arms.
 
-use crate::report::table;
+use crate::report::{paragraph, table};
 use crate::robot::{BUILT_IN, Drive, tables::Table};
 
 /// List the built-in arms and where their numbers come from
@@ -43,7 +43,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     println!("{}", table(&["robot", "drive", "dof", "moving mass (kg)", "reach (m)"], 2, rows));
     println!("\nSources");
     for e in &entries {
-        println!("{}: {}", e.name, e.source);
+        print!("{}", paragraph(&format!("  {:<16}", e.name), e.source));
     }
     Ok(())
 }

@@ -77,13 +77,13 @@ impl Table {
     pub fn robot(&self) -> Robot {
         let mut bodies = Vec::new();
         let mut dh_frame = Placement::identity();
-        for i in 0..6 {
+        for (i, link) in LINKS.iter().enumerate() {
             let up = Vector3::new(0.0, 0.0, self.d[i]);
             let placement =
                 Placement { rotation: dh_frame.rotation, translation: dh_frame.point(&up) };
             dh_frame = self.dh_frame(i);
             bodies.push(Body {
-                name: LINKS[i].into(),
+                name: (*link).into(),
                 parent: i.checked_sub(1),
                 joint: self.joint(i, placement),
                 inertia: self.inertia_in_dh_frame(i).seen_from(&dh_frame),

@@ -1,6 +1,6 @@
 //! UR5 (CB series): the paper's Tables I and II and Eq. 18, with the manufacturer's alpha_4.
 
-use super::{RIGHT, TURN, Table, diagonal};
+use super::{RIGHT, TURN, Table, deg, diagonal};
 
 pub static TABLE: Table = Table {
     name: "ur5",
@@ -8,8 +8,7 @@ pub static TABLE: Table = Table {
              manufacturer (printed -pi/2, see ur5-as-printed); d_4 = 0.109915 as the paper prints \
              it (the manufacturer says 0.10915: 0.8 mm along the axes of joints 2 to 4, without \
              effect on gravity torque); inertia tensors: the paper's Eq. 18, about the centres of \
-             mass in DH axes; joint ranges, speeds and torques: the manufacturer's UR5 data, \
-             speed rounded to 3.14 rad/s",
+             mass in DH axes; joint ranges, speeds and torques: the manufacturer's UR5 data",
     reach: 0.85,
     d: [0.089159, 0.0, 0.0, 0.109915, 0.09465, 0.0823],
     a: [0.0, -0.425, -0.39225, 0.0, 0.0, 0.0],
@@ -32,6 +31,6 @@ pub static TABLE: Table = Table {
         diagonal(0.00008, 0.00008, 0.00013),
     ],
     range: [TURN; 6],
-    velocity: [3.14; 6],
+    velocity: [deg(180.0); 6],
     effort: [150.0, 150.0, 150.0, 28.0, 28.0, 28.0],
 };

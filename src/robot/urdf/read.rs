@@ -164,42 +164,47 @@ fn limits(file: File, joint: &urdf_rs::Joint) -> Result<Limits, RobotError> {
     if joint.mimic.is_some() {
         return refuse("mimics another joint, which armtwin cannot; make it fixed".into());
     }
-    let l = &joint.limit;
-    // A joint without <limit> comes as all zeros.
-    let absent = l.velocity == 0.0 && l.effort == 0.0 && l.lower == 0.0 && l.upper == 0.0;
-    let unlimited = |x: f64| if x == 0.0 { f64::INFINITY } else { x };
-    let (lower, upper) = match joint.joint_type {
-        JointType::Continuous => (f64::NEG_INFINITY, f64::INFINITY),
-        JointType::Revolute if absent => {
-            return refuse(
-                "has no limits; give <limit lower upper (rad) velocity (rad/s) effort (N.m)/>, \
-                 or make it continuous"
-                    .into(),
-            );
-        }
-        JointType::Revolute => (l.lower, l.upper),
-        ref other => {
-            return refuse(format!(
-                "is {}; armtwin takes revolute, continuous and fixed joints: make it fixed if it \
-                 does not move (a gripper's finger, say)",
-                format!("{other:?}").to_lowercase()
-            ));
-        }
-    };
-    if !(lower < upper) {
-        return refuse(format!(
-            "its lower limit {lower} is not below its upper limit {upper} rad; swap or correct them"
-        ));
+    let (lower, upper) = range(joint).map_err(|problem| file.joint(&joint.name, problem))?;
+    if joint.joint_type == JointType::Continuous && has_no_limit(joint) {
+        return Ok(Limits { lower, upper, velocity: f64::INFINITY, effort: f64::INFINITY });
     }
-    let velocity = if absent { f64::INFINITY } else { l.velocity };
-    if !(velocity > 0.0) {
+    let velocity = joint.limit.velocity;
+    let effort = if joint.limit.effort == 0.0 { f64::INFINITY } else { joint.limit.effort };
+    if velocity.is_nan() || velocity <= 0.0 {
         return refuse(format!("its velocity limit is {velocity} rad/s; give a positive one"));
     }
-    let effort = unlimited(l.effort);
-    if !(effort > 0.0) {
+    if effort.is_nan() || effort < 0.0 {
         return refuse(format!("its effort limit is {effort} N.m; give a positive one"));
     }
     Ok(Limits { lower, upper, velocity, effort })
+}
+
+/// A joint without `<limit>` comes as all zeros.
+fn has_no_limit(joint: &urdf_rs::Joint) -> bool {
+    let l = &joint.limit;
+    [l.lower, l.upper, l.velocity, l.effort] == [0.0; 4]
+}
+
+/// Lower and upper limit, rad, or what is wrong with them.
+fn range(joint: &urdf_rs::Joint) -> Result<(f64, f64), String> {
+    let (lower, upper) = (joint.limit.lower, joint.limit.upper);
+    match &joint.joint_type {
+        JointType::Continuous => Ok((f64::NEG_INFINITY, f64::INFINITY)),
+        JointType::Revolute if has_no_limit(joint) => {
+            Err("has no limits; give <limit lower upper \
+             (rad) velocity (rad/s) effort (N.m)/>, or make it continuous"
+                .into())
+        }
+        JointType::Revolute if lower < upper => Ok((lower, upper)),
+        JointType::Revolute => Err(format!(
+            "its lower limit {lower} is not below its upper limit {upper} rad; swap or correct them"
+        )),
+        other => Err(format!(
+            "is {}; armtwin takes revolute, continuous and fixed joints: make it fixed if it does \
+             not move (a gripper's finger, say)",
+            format!("{other:?}").to_lowercase()
+        )),
+    }
 }
 
 fn check_body(file: File, body: &Body) -> Result<(), RobotError> {

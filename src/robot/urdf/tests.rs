@@ -117,6 +117,11 @@ fn continuous_joints_turn_without_end() {
     let robot = read(&write(&builtin("ur3").unwrap()), "ur3").unwrap();
     assert_eq!(robot.bodies[5].joint.limits.upper, f64::INFINITY);
     assert_eq!(robot.bodies[4].joint.limits.upper, std::f64::consts::TAU);
+    let unlimited =
+        with_wrist_2_limit("").replace("wrist_2_joint\" type=\"revolute", "x\" type=\"continuous");
+    let robot = read(&unlimited, "without limits").unwrap();
+    assert_eq!(robot.bodies[4].joint.limits.velocity, f64::INFINITY);
+    assert_same(&robot, &read(&write(&robot), "again").unwrap(), 1e-12);
 }
 
 /// What a bad file is told must name the place and the way out.
@@ -136,7 +141,7 @@ fn with(from: &str, to: &str) -> String {
 
 const WRIST_2_LIMIT: &str = "    <child link=\"wrist_2_link\"/>\n    <axis xyz=\"0 0 1\"/>\n    \
                              <limit lower=\"-6.283185307179586\" upper=\"6.283185307179586\" \
-                             velocity=\"3.14\" effort=\"28\"/>\n";
+                             velocity=\"3.141592653589793\" effort=\"28\"/>\n";
 
 fn with_wrist_2_limit(limit: &str) -> String {
     let to = format!("<child link=\"wrist_2_link\"/><axis xyz=\"0 0 1\"/>{limit}");

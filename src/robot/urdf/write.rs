@@ -5,7 +5,7 @@ use std::fmt::Write;
 use nalgebra::{Matrix3, Vector3};
 
 use super::visual::{self, Cylinder, Shape};
-use crate::robot::{Body, Inertia, Joint, Placement, Robot};
+use crate::robot::{Body, Inertia, Joint, Limits, Placement, Robot};
 
 /// Name of the fixed root link, the arm's base frame.
 const BASE: &str = "base";
@@ -67,26 +67,32 @@ fn inertial(inertia: &Inertia) -> String {
 }
 
 fn joint(joint: &Joint, parent: &str, body: &Body) -> String {
-    let l = &joint.limits;
-    let bounded = l.lower.is_finite() && l.upper.is_finite();
-    let kind = if bounded { "revolute" } else { "continuous" };
-    let range = if bounded {
-        format!("lower=\"{}\" upper=\"{}\" ", l.lower, l.upper)
-    } else {
-        String::new()
-    };
+    let continuous = joint.limits.upper.is_infinite();
     format!(
-        "  <joint name=\"{}\" type=\"{kind}\">\n    {}\n    <parent link=\"{}\"/>\n    \
-         <child link=\"{}\"/>\n    <axis xyz=\"{}\"/>\n    \
-         <limit {range}velocity=\"{}\" effort=\"{}\"/>\n  </joint>\n",
+        "  <joint name=\"{}\" type=\"{}\">\n    {}\n    <parent link=\"{}\"/>\n    \
+         <child link=\"{}\"/>\n    <axis xyz=\"{}\"/>\n{}  </joint>\n",
         escape(&joint.name),
+        if continuous { "continuous" } else { "revolute" },
         origin(&joint.placement),
         escape(parent),
         escape(&body.name),
         triple(&joint.axis),
-        l.velocity,
-        l.effort
+        limit(&joint.limits)
     )
+}
+
+/// Nothing for a joint without limits; an unlimited effort is 0, as in most URDFs.
+fn limit(l: &Limits) -> String {
+    if l.velocity.is_infinite() {
+        return String::new();
+    }
+    let range = if l.upper.is_infinite() {
+        String::new()
+    } else {
+        format!("lower=\"{}\" upper=\"{}\" ", l.lower, l.upper)
+    };
+    let effort = if l.effort.is_finite() { l.effort } else { 0.0 };
+    format!("    <limit {range}velocity=\"{}\" effort=\"{effort}\"/>\n", l.velocity)
 }
 
 fn flange(robot: &Robot) -> String {
