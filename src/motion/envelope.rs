@@ -63,7 +63,7 @@ impl Envelope {
 /// (0 where a joint has none).
 fn home(robot: &Robot) -> Vec<f64> {
     if robot.name.starts_with("ur") && robot.dof() == 6 {
-        return vec![0.0, -1.6, 1.1, -1.2, -1.5, 0.0];
+        return vec![0.0, -1.75, 0.95, -0.8, -1.5, 0.0];
     }
     let middle = |l: &crate::robot::Limits| (l.lower + l.upper) / 2.0;
     let or_zero = |q: f64| if q.is_finite() { q } else { 0.0 };

@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 
 use super::path::Path;
-use super::plateaus::plateaus;
+use super::plateaus::slow_plateaus;
 use super::point_to_point::point_to_point;
 use super::waves::{fourier, random_frequency};
 
@@ -14,9 +14,9 @@ pub(super) fn mixed(path: &mut Path, until: f64, rng: &mut ChaCha8Rng) {
     let mut fill = |up_to: f64, phase: fn(&mut Path, f64, &mut ChaCha8Rng)| {
         phase(path, start + up_to * (until - start), rng);
     };
-    fill(0.22, plateaus);
-    fill(0.47, fourier);
-    fill(0.69, plateaus);
-    fill(0.88, random_frequency);
+    fill(0.25, slow_plateaus);
+    fill(0.48, fourier);
+    fill(0.73, slow_plateaus);
+    fill(0.92, random_frequency);
     fill(1.0, point_to_point);
 }

@@ -8,35 +8,54 @@ use rand_chacha::ChaCha8Rng;
 use super::path::Path;
 use super::trajectory::{Shape, Stroke};
 
-/// rad/s; the top of the ladder is what the envelope allows, at most 1 rad/s.
-const SLOWEST: f64 = 0.005;
-const TOP: f64 = 1.0;
-/// Speeds on the ladder, equally spaced in the logarithm.
-const LEVELS: usize = 9;
+/// Speeds equally spaced in the logarithm, rad/s; the envelope may cut the top.
+#[derive(Clone, Copy)]
+pub(super) struct Ladder {
+    slowest: f64,
+    fastest: f64,
+    levels: usize,
+}
+
+/// From creeping to brisk.
+const WHOLE: Ladder = Ladder { slowest: 0.005, fastest: 1.0, levels: 9 };
+/// Around usual Stribeck velocities (0.01 to 0.15 rad/s), where sines spend little time.
+const SLOW: Ladder = Ladder { slowest: 0.01, fastest: 0.3, levels: 7 };
 const SHORTEST_BLEND_S: f64 = 0.15;
 /// Largest slope of the quintic smooth step.
 const BLEND_PEAK: f64 = 1.875;
 /// Shortest time for a ladder, s.
 const MIN_S: f64 = 5.0;
 
+pub(super) fn plateaus(path: &mut Path, until: f64, rng: &mut ChaCha8Rng) {
+    climb(path, until, rng, WHOLE);
+}
+
+pub(super) fn slow_plateaus(path: &mut Path, until: f64, rng: &mut ChaCha8Rng) {
+    climb(path, until, rng, SLOW);
+}
+
 /// Fills the time with one ladder per joint, from a random pose. The joints climb in
 /// different orders and change direction at different times.
-pub(super) fn plateaus(path: &mut Path, until: f64, rng: &mut ChaCha8Rng) {
+fn climb(path: &mut Path, until: f64, rng: &mut ChaCha8Rng, ladder: Ladder) {
     let pose = path.envelope.random_pose(0.5, rng);
     if !path.go(pose, 0.7, until - MIN_S) {
         return path.rest_until(until);
     }
     let duration = until - path.now;
-    let strokes = (0..path.here.len()).map(|j| ladder(path, j, duration, rng)).collect();
+    let strokes = (0..path.here.len()).map(|j| rungs(path, j, duration, rng, ladder)).collect();
     path.push(duration, Shape::Strokes { strokes });
 }
 
 /// Strokes of joint `j`: the speeds in random order, each for an about equal share of the time.
-fn ladder(path: &Path, j: usize, duration: f64, rng: &mut ChaCha8Rng) -> Vec<Stroke> {
+fn rungs(
+    path: &Path,
+    j: usize,
+    duration: f64,
+    rng: &mut ChaCha8Rng,
+    ladder: Ladder,
+) -> Vec<Stroke> {
     let e = path.envelope;
-    let top = e.velocity[j].min(TOP);
-    let ratio = (top / SLOWEST).max(1.0).powf(1.0 / (LEVELS - 1) as f64);
-    let mut speeds: Vec<f64> = (0..LEVELS).map(|i| top / ratio.powi(i as i32)).collect();
+    let mut speeds = ladder.speeds(e.velocity[j]);
     speeds.shuffle(rng);
     let shares: Vec<f64> = speeds.iter().map(|_| rng.random_range(0.8..1.2)).collect();
     let unit = duration / shares.iter().sum::<f64>();
@@ -52,6 +71,14 @@ fn ladder(path: &Path, j: usize, duration: f64, rng: &mut ChaCha8Rng) -> Vec<Str
         start += share * unit;
     }
     strokes
+}
+
+impl Ladder {
+    fn speeds(self, limit: f64) -> Vec<f64> {
+        let top = self.fastest.min(limit);
+        let ratio = (top / self.slowest).max(1.0).powf(1.0 / (self.levels - 1) as f64);
+        (0..self.levels).map(|i| top / ratio.powi(i as i32)).collect()
+    }
 }
 
 /// There and back at one speed, as often as the room demands.

@@ -162,3 +162,20 @@ fn bad_settings_are_named() {
     let kind = toml::from_str::<Settings>("kind = \"wiggle\"").unwrap_err().to_string();
     assert!(kind.contains("random_frequency"), "{kind}");
 }
+
+#[test]
+fn ur_arms_stay_above_the_table() {
+    for name in ["ur3", "ur5", "ur10e"] {
+        let robot = crate::robot::builtin(name).unwrap();
+        for (kind, seed) in KINDS.into_iter().flat_map(|k| (0..3).map(move |s| (k, s))) {
+            let s = Settings { kind, seed, ..Settings::default() }.trajectory(&robot).unwrap();
+            let s = s.sampled(0.05);
+            let mut q = [0.0; 6];
+            for k in 0..s.q.samples() {
+                s.q.sample_into(k, &mut q);
+                let flange = crate::robot::flange_placement(&robot, &q).translation.z;
+                assert!(flange > 0.02, "{name} {kind:?} seed {seed}: flange at {flange} m");
+            }
+        }
+    }
+}
