@@ -23,7 +23,24 @@ pub struct Args {
     columns: Option<PathBuf>,
     /// Between the columns written
     #[arg(long, value_enum, default_value = "comma")]
-    delimiter: Delimiter,
+    delimiter: Between,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Between {
+    Comma,
+    Blank,
+    Tab,
+}
+
+impl From<Between> for Delimiter {
+    fn from(between: Between) -> Self {
+        match between {
+            Between::Comma => Delimiter::Comma,
+            Between::Blank => Delimiter::Blank,
+            Between::Tab => Delimiter::Tab,
+        }
+    }
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -36,7 +53,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     for note in &recording.provenance.notes {
         eprintln!("note: {note}");
     }
-    let options = WriteOptions { delimiter: Some(args.delimiter) };
+    let options = WriteOptions { delimiter: Some(args.delimiter.into()) };
     recording::write(&recording, &args.out, &options)?;
     let (rows, columns) = (recording.time.len(), recording.channels.len() + 1);
     println!("{}: {rows} samples, {columns} columns", args.out.display());

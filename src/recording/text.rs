@@ -6,7 +6,7 @@ use std::path::Path;
 use super::RecordingError;
 
 /// What separates columns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Delimiter {
     Comma,
