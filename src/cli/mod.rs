@@ -5,6 +5,7 @@ mod conditioning;
 mod convert;
 mod effects;
 mod identify;
+mod inspect;
 mod robots;
 mod simulate;
 mod urdf;
@@ -26,6 +27,7 @@ enum Command {
     Convert(convert::Args),
     Effects(effects::Args),
     Identify(identify::Args),
+    Inspect(inspect::Args),
     Robots(robots::Args),
     Simulate(simulate::Args),
     Urdf(urdf::Args),
@@ -48,6 +50,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Convert(args) => convert::run(&args),
         Command::Effects(args) => effects::run(&args),
         Command::Identify(args) => identify::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
         Command::Robots(args) => robots::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Urdf(args) => urdf::run(&args),

@@ -5,6 +5,7 @@ mod check;
 mod columns;
 mod error;
 mod format;
+pub mod inspection;
 mod mapped_csv;
 mod movement_folder;
 mod rtde_csv;

@@ -1,6 +1,7 @@
 //! Tests of the program as a user runs it, one file per command.
 
 mod effects;
+mod recording;
 mod robots;
 mod simulate;
 

@@ -1,0 +1,219 @@
+//! `armtwin inspect`, `armtwin convert`, and what they do with dirty input.
+
+use std::path::{Path, PathBuf};
+
+use crate::{Output, armtwin};
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// A six-joint recording: joint 1 swings, the others stand.
+fn csv(rows: usize) -> String {
+    let mut text = String::from("timestamp");
+    for signal in ["actual_q", "actual_qd", "actual_current"] {
+        (0..6).for_each(|j| text += &format!(",{signal}_{j}"));
+    }
+    for k in 0..rows {
+        let t = 0.008 * k as f64;
+        let (q, qd, i) = (t.sin(), t.cos(), 0.5 * t.cos().signum() + 1e-3 * (k % 7) as f64);
+        text += &format!("\n{t:.3},{q},0,0,0,0,0,{qd},0,0,0,0,0,{i},1,1,.5,0.1,{}", 1.0 / 3.0);
+    }
+    text + "\n"
+}
+
+fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+    let path = folder.join(name);
+    std::fs::write(&path, content).unwrap();
+    path
+}
+
+fn files(folder: &Path) -> usize {
+    std::fs::read_dir(folder).unwrap().count()
+}
+
+#[test]
+fn conversion_there_and_back_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let original = write(folder.path(), "a.csv", csv(50));
+    let [packed, blank, tab, back] =
+        ["b.csv.gz", "c.csv", "d.csv", "e.csv"].map(|n| folder.path().join(n));
+    for (from, to, delimiter) in [
+        (&original, &packed, "comma"),
+        (&packed, &blank, "blank"),
+        (&blank, &tab, "tab"),
+        (&tab, &back, "comma"),
+    ] {
+        let out = armtwin(&["convert", text(from), "-o", text(to), "--delimiter", delimiter]);
+        assert_eq!((out.code, out.stderr.as_str()), (0, ""), "{delimiter}");
+        assert!(out.stdout.contains("50 samples, 19 columns"), "{}", out.stdout);
+    }
+    let first =
+        |path: &Path| std::fs::read_to_string(path).unwrap().lines().next().unwrap().to_owned();
+    assert!(first(&blank).starts_with("timestamp actual_q_0 ") && first(&tab).contains('\t'));
+    let numbers = |path: &Path| -> Vec<f64> {
+        let text = std::fs::read_to_string(path).unwrap();
+        let cells = text.split([',', '\n']).filter(|c| !c.is_empty());
+        cells.filter_map(|c| c.parse().ok()).collect()
+    };
+    assert_eq!(numbers(&original), numbers(&back));
+    assert_eq!(numbers(&back).len(), 50 * 19);
+}
+
+#[test]
+fn inspect_says_what_is_there_and_what_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = write(folder.path(), "a.csv", csv(2000) + "16,0.1");
+    let json = folder.path().join("a.json");
+    let out = armtwin(&["inspect", text(&recording), "--json", text(&json)]);
+    assert_eq!(out.code, 0, "{}", out.stderr);
+    for part in [
+        "2000 samples, 15.992 s",
+        "125.0 Hz on average",
+        "actual_current",
+        "dropped the cut last line 2002",
+        "joints 2, 3, 4, 5, 6: no motion",
+    ] {
+        assert!(out.stdout.contains(part), "{part} not in\n{}", out.stdout);
+    }
+    assert!(out.stdout.lines().all(|l| l.chars().count() <= 100), "{}", out.stdout);
+    let json: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
+    assert_eq!(json["schema"], "armtwin.inspection/1");
+    assert_eq!(json["samples"], 2000);
+    assert_eq!(json["motion"][0]["reversals"], 5);
+    assert_eq!(json["version"], env!("CARGO_PKG_VERSION"));
+}
+
+#[test]
+fn a_column_map_reads_a_headerless_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let body = csv(50).split_once('\n').unwrap().1.to_string();
+    let log = write(folder.path(), "log.txt", body);
+    let map = write(
+        folder.path(),
+        "map.toml",
+        "time = 1\n[channels]\nactual_q = { first = 2, count = 6 }\n",
+    );
+    let out = armtwin(&["inspect", text(&log), "--columns", text(&map)]);
+    assert_eq!(out.code, 0, "{}", out.stderr);
+    assert!(
+        out.stdout.contains("50 samples") && out.stdout.contains("no actual_qd"),
+        "{}",
+        out.stdout
+    );
+}
+
+/// One line on standard error, exit code 1, no file more than before.
+#[track_caller]
+fn refused(folder: &Path, recording: &Path, extra: &[&str], parts: &[&str]) {
+    let before = files(folder);
+    let (json, converted) = (folder.join("out.json"), folder.join("out.csv"));
+    let inspect = ["inspect", text(recording), "--json", text(&json)];
+    let convert = ["convert", text(recording), "-o", text(&converted)];
+    for arguments in [inspect, convert] {
+        let Output { code, stdout, stderr } = armtwin(&[&arguments[..], extra].concat());
+        assert_eq!((code, stdout.as_str()), (1, ""), "{stderr}");
+        assert!(stderr.starts_with("error: ") && !stderr.contains("panicked"), "{stderr}");
+        for part in parts {
+            assert!(stderr.contains(part), "{part:?} not in: {stderr}");
+        }
+    }
+    assert_eq!(files(folder), before, "something was written");
+}
+
+/// A good recording with its line `line` (from 1) replaced.
+fn spoilt(line: usize, with: &str) -> String {
+    let good = csv(50);
+    let mut lines: Vec<&str> = good.lines().collect();
+    lines[line - 1] = with;
+    lines.join("\n") + "\n"
+}
+
+#[test]
+fn dirty_recordings_are_refused_with_one_clear_message() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let good = csv(50);
+    let lines: Vec<&str> = good.lines().collect();
+    let row = |time: &str, q: &str| {
+        lines[20].replacen("0.152", time, 1).replacen(lines[20].split(',').nth(1).unwrap(), q, 1)
+    };
+    let header = lines[0];
+    let cases: Vec<(&str, Vec<u8>, &[&str])> = vec![
+        ("empty.csv", vec![], &["the file is empty"]),
+        ("semicolon.csv", good.replace(',', ";").into(), &["row 1 holds one column", "--columns"]),
+        ("nan.csv", spoilt(21, &row("0.152", "nan")).into(), &["row 21, column actual_q_0", "NaN"]),
+        (
+            "huge.csv",
+            spoilt(21, &row("0.152", "1e254")).into(),
+            &["row 21, column actual_q_0", "1e254"],
+        ),
+        (
+            "word.csv",
+            spoilt(21, &row("0.152", "off")).into(),
+            &["row 21, column actual_q_0", "\"off\""],
+        ),
+        (
+            "twice.csv",
+            spoilt(21, &row("0.144", "0")).into(),
+            &["row 21, column timestamp: time repeats"],
+        ),
+        (
+            "back.csv",
+            spoilt(21, &row("0.01", "0")).into(),
+            &["row 21, column timestamp: time goes back"],
+        ),
+        ("ragged.csv", spoilt(21, "0.152,1,2").into(), &["row 21 has 3 columns where 19"]),
+        ("short.csv", csv(5).into(), &["5 samples, at least 10"]),
+        (
+            "names.csv",
+            spoilt(1, &header.replace("timestamp", "zeit")).into(),
+            &["no column timestamp"],
+        ),
+        (
+            "joint.csv",
+            spoilt(1, &header.replace("actual_q_3", "other")).into(),
+            &["no column actual_q_3", "one joint is missing"],
+        ),
+        (
+            "current.csv",
+            spoilt(1, &header.replace("actual_current_5", "other")).into(),
+            &["actual_current has 5 joints but actual_q has 6", "actual_current_5"],
+        ),
+        (
+            "double.csv",
+            spoilt(1, &header.replace("actual_q_3", "actual_q_2")).into(),
+            &["\"actual_q_2\" stands in columns 4 and 5"],
+        ),
+        ("latin.csv", b"timestamp,\xe4\n0,1\n".to_vec(), &["not UTF-8"]),
+        ("packed.csv.gz", vec![0x1f, 0x8b, 8, 0, 1, 2, 3], &["gzip data are damaged"]),
+        ("headerless.csv", lines[1..].join("\n").into(), &["row 1 holds 19 numbers", "--columns"]),
+    ];
+    for (name, content, parts) in cases {
+        let path = write(folder, name, content);
+        refused(folder, &path, &[], &[&[name], parts].concat());
+    }
+    refused(folder, &folder.join("none.csv"), &[], &["none.csv: no such file"]);
+    refused(folder, folder, &[], &["a folder without log_q_actual.csv"]);
+}
+
+#[test]
+fn a_bad_column_map_or_output_name_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let log = write(folder, "log.csv", csv(50));
+    let map = write(folder, "map.toml", "time = 1\ntyme = 2\n[channels]\n");
+    refused(folder, &log, &["--columns", text(&map)], &["map.toml", "tyme"]);
+    let none = folder.join("none.toml");
+    refused(folder, &log, &["--columns", text(&none)], &["none.toml: no such file"]);
+    for (name, part) in [("out.xlsx", "known are .csv, .csv.gz"), ("log.csv", "would overwrite")] {
+        let out = armtwin(&["convert", text(&log), "-o", text(&folder.join(name))]);
+        assert_eq!(out.code, 1);
+        assert!(out.stderr.contains(name) && out.stderr.contains(part), "{}", out.stderr);
+    }
+    assert_eq!(files(folder), 2);
+    assert_eq!(std::fs::read_to_string(&log).unwrap(), csv(50));
+    assert_eq!(armtwin(&["inspect"]).code, 2);
+    assert_eq!(armtwin(&["convert", text(&log), "-o", "x.csv", "--delimiter", "pipe"]).code, 2);
+}
