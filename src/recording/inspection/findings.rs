@@ -123,7 +123,7 @@ fn motion(inspection: &Inspection) -> Vec<String> {
     let rules: [(Vec<&JointMotion>, String); 3] = [
         (
             which(&|m| !moves(m)),
-            "stands still or only shakes: no friction can be seen there".into(),
+            "no motion beyond shaking, so no friction can be seen there".into(),
         ),
         (
             which(&|m| moves(m) && m.top_speed() < SLOW_RAD_S),

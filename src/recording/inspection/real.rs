@@ -120,7 +120,7 @@ fn the_ur3e_recording_shows_its_gaps() {
         near(current(&inspection)[j].noise, noise, 0.0006);
     }
     let says = |part: &str| inspection.findings.iter().any(|f| f.contains(part));
-    assert!(says("joints 1, 3, 4, 5, 6: stands still"));
+    assert!(says("joints 1, 3, 4, 5, 6: no motion"));
     assert!(says("joint_control_output repeats target_current"));
 }
 

@@ -53,7 +53,7 @@ fn noise_step_and_motion_come_out_as_they_went_in() {
     assert_eq!(m.reversals, 9);
     assert!(m.velocity_correlation.unwrap() > 0.9999);
     assert!((m.velocity_slope.unwrap() - 1.0).abs() < 1e-3);
-    assert!(says(&inspection, "joint 2: stands still"), "{:?}", inspection.findings);
+    assert!(says(&inspection, "joint 2: no motion"), "{:?}", inspection.findings);
     assert!(!says(&inspection, "joint 1"), "{:?}", inspection.findings);
 }
 
