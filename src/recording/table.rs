@@ -123,7 +123,7 @@ fn parse_row<const D: u8>(
                     (c, FaultKind::NotANumber(cell.trim().chars().take(40).collect()))
                 })?;
                 let largest = if *slot == 0 { LARGEST_TIME } else { LARGEST };
-                if !(value.abs() <= largest) && garbage.is_none() {
+                if (value.is_nan() || value.abs() > largest) && garbage.is_none() {
                     garbage = Some((c, FaultKind::Garbage(value)));
                 }
                 columns[*slot].push(value);

@@ -1,7 +1,7 @@
 //! What is wrong with a recording, in plain words: what it means and what to do.
 
-use super::Inspection;
 use super::motion::{JointMotion, SLIDING_RAD_S};
+use super::{Inspection, JointSignal};
 use crate::recording::Recording;
 
 /// Slower leaves Stribeck and viscous friction open.
@@ -188,17 +188,17 @@ fn noise(inspection: &Inspection) -> Vec<String> {
 }
 
 fn constant(inspection: &Inspection) -> Vec<String> {
-    let stuck = |name: &str| name.starts_with("actual_") || name == "joint_torque";
+    let measured = |name: &str| name.starts_with("actual_") || name == "joint_torque";
     let mut found = Vec::new();
-    for signal in inspection.signals.iter().filter(|s| stuck(&s.name) && s.columns.len() > 1) {
-        for (j, column) in signal.columns.iter().enumerate().filter(|(_, c)| c.low == c.high) {
-            let at_rest = inspection.motion.get(j).is_some_and(|m| m.moving_share == 0.0);
-            if !(at_rest && signal.name.starts_with("actual_q")) {
-                found.push(format!(
-                    "{}_{j} is {} throughout: not measured, or the sensor is stuck",
-                    signal.name, column.low
-                ));
-            }
+    for signal in inspection.signals.iter().filter(|s| measured(&s.name) && s.columns.len() > 1) {
+        let moves = |j: usize| inspection.motion.get(j).is_none_or(|m| m.moving_share > 0.0);
+        let motion = signal.name.starts_with("actual_q");
+        let stuck = |(j, c): &(usize, &JointSignal)| c.low == c.high && (moves(*j) || !motion);
+        let columns = signal.columns.iter().enumerate().filter(stuck);
+        let names: Vec<_> = columns.map(|(j, _)| format!("{}_{j}", signal.name)).collect();
+        if !names.is_empty() {
+            let names = names.join(", ");
+            found.push(format!("constant throughout, so not measured or stuck: {names}"));
         }
     }
     found

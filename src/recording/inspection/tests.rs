@@ -83,7 +83,7 @@ fn wrong_units_and_stuck_or_repeated_columns_are_told() {
     degrees.channels[5].values.fill(0.25);
     degrees.time.iter_mut().for_each(|t| *t *= 1000.0);
     let inspection = inspect(&degrees);
-    for part in ["degrees", "mA", "set time_scale", "actual_current_1 is 0.25 throughout"] {
+    for part in ["degrees", "mA", "set time_scale", "stuck: actual_current_1"] {
         assert!(says(&inspection, part), "{part}: {:?}", inspection.findings);
     }
     let mut twice = recording(grid(3000));
