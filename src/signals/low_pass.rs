@@ -115,28 +115,34 @@ fn interleave(columns: &[&mut [f64]], pad: usize) -> Vec<[f64; LANES]> {
     x
 }
 
-/// One pass through all sections, from the steady state of the first sample.
+/// One pass through all sections, from the steady state of the first sample: sample by sample, so
+/// that one section works on the next sample while the following one still waits for this.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
 fn pass(sections: &[Section], x: &mut [[f64; LANES]]) {
-    let mut level = x[0];
-    for s in sections {
-        let (mut z1, mut z2) = ([0.0; LANES], [0.0; LANES]);
-        for l in 0..LANES {
-            let y = s.gain() * level[l];
-            z1[l] = y - s.b[0] * level[l];
-            z2[l] = s.b[2] * level[l] - s.a[1] * y;
-            level[l] = y;
-        }
-        for row in x.iter_mut() {
+    let mut state = steady(sections, x[0]);
+    for row in x.iter_mut() {
+        let mut u = *row;
+        for (s, [z1, z2]) in sections.iter().zip(&mut state) {
             for l in 0..LANES {
-                let u = row[l];
-                let y = s.b[0] * u + z1[l];
-                z1[l] = s.b[1] * u - s.a[0] * y + z2[l];
-                z2[l] = s.b[2] * u - s.a[1] * y;
-                row[l] = y;
+                let y = s.b[0] * u[l] + z1[l];
+                z1[l] = s.b[1] * u[l] - s.a[0] * y + z2[l];
+                z2[l] = s.b[2] * u[l] - s.a[1] * y;
+                u[l] = y;
             }
         }
+        *row = u;
     }
+}
+
+/// z1 and z2 of each section after endlessly many samples of `level`.
+fn steady(sections: &[Section], mut level: [f64; LANES]) -> Vec<[[f64; LANES]; 2]> {
+    let settle = |s: &Section| {
+        let u = level;
+        level = u.map(|u| s.gain() * u);
+        let each = |f: &dyn Fn(f64, f64) -> f64| std::array::from_fn(|l| f(u[l], level[l]));
+        [each(&|u, y| y - s.b[0] * u), each(&|u, y| s.b[2] * u - s.a[1] * y)]
+    };
+    sections.iter().map(settle).collect()
 }
 
 impl Section {

@@ -62,10 +62,10 @@ pub fn model_covariance(basis: &DMatrix<f64>, residual: &[f64], slots: &[usize])
     let shrunk = after_fitting(&gamma, &columns, &filtered, &covariance, &present, model.order());
     let shrunk = Autoregression::from_autocovariance(&shrunk).autocovariance(longest);
     let refiltered: Vec<_> = columns.iter().map(|q| toeplitz(&shrunk, q, &present)).collect();
-    let ratio = raise(&covariance, &inner(&columns, &refiltered));
+    let covariance = raise(&covariance, &inner(&columns, &refiltered));
     let n = residual.len() as f64;
     let dof = (0.5 * n / correlation_time(&gamma)).clamp(3.0, n);
-    LongRun { covariance: ratio, dof }
+    LongRun { covariance, dof }
 }
 
 /// Omega q on the slots present, Omega_ts = gamma_|t-s|.
@@ -106,8 +106,9 @@ fn after_fitting(
     (0..=order).map(at).collect()
 }
 
-/// C S^-1 C in spirit, direction by direction: C = L L^T is raised along the eigenvectors of
-/// L^-1 S L^-T by the inverse of its eigenvalues.
+/// The covariance C raised by what fitting took from it. With C = L L^T and the shrunk S, the
+/// eigenvalues of L^-1 S L^-T = V diag(lambda) V^T are the shares left in each direction; the
+/// result is L V diag(1/lambda) V^T L^T, which is C S^-1 C unless a share is out of bounds.
 fn raise(c: &DMatrix<f64>, shrunk: &DMatrix<f64>) -> DMatrix<f64> {
     let Some(cholesky) = c.clone().cholesky() else { return c.clone() };
     let l = cholesky.l();
