@@ -82,6 +82,9 @@ fn read(folder: &Path) -> Result<Recording, RecordingError> {
     let aligned: Vec<Aligned> = logs.iter().map(|log| align(log, &time)).collect();
     let (from, to) = common_range(&aligned, longest);
     notes.extend(alignment_notes(&logs, &aligned, &time));
+    if log_path(folder, "force_sensor").is_some() {
+        notes.push("log_force_sensor has a clock of its own and was left out".into());
+    }
     if to - from < longest {
         notes.push(format!("the shortest log leaves {} of {longest} samples", to - from));
     }

@@ -290,11 +290,17 @@ fn a_movement_folder_ends_with_its_shortest_log() {
     };
     log("log_q_actual.csv", 40, 0.0, "0.32, 4");
     log("log_i_actual.csv", 30, 1e-5, "");
+    log("log_force_sensor.csv", 90, 0.003, "");
     let recording = read(folder.path(), None).unwrap();
     assert_eq!(recording.time.len(), 30);
     assert_eq!(recording.channel("actual_current_1").unwrap()[29], 58.0);
     let notes = recording.provenance.notes.join("; ");
-    for part in ["log_q_actual.csv: dropped the cut last line 41", "by up to 10 us", "30 of 40"] {
+    for part in [
+        "log_q_actual.csv: dropped the cut last line 41",
+        "by up to 10 us",
+        "30 of 40",
+        "log_force_sensor",
+    ] {
         assert!(notes.contains(part), "{part} not in {notes}");
     }
     log("log_i_actual.csv", 40, 0.004, "");
