@@ -11,9 +11,9 @@
 //! Dry friction is a constraint of rapier's solver: whatever stops the joint, up to the level, so a
 //! joint that should stick stands truly still. Half of the damping is implicit (rapier's
 //! `damping`), half explicit: together the trapezoidal rule, which neither adds nor hides damping.
-//! rapier gives every angular degree of freedom a default damping of 0.1 and treats Coriolis terms
-//! implicitly; the first is removed here, the second is why the order of convergence is one
-//! (docs/accuracy.md).
+//! rapier gives every angular degree of freedom a default damping of 0.1, removed here. It takes
+//! Coriolis, centrifugal and gyroscopic terms implicitly through an approximate linearisation,
+//! which is why the order of convergence is one (docs/accuracy.md).
 
 use nalgebra::{Matrix3, Unit, Vector3};
 use rapier3d_f64::glamx::{DMat3, DQuat, DVec3};
