@@ -21,8 +21,8 @@ impl SavitzkyGolay {
 
     /// The window whose smoothing has its -3 dB point at `cutoff_hz`. Schafer, "What is a
     /// Savitzky-Golay filter?", IEEE Signal Processing Magazine 28(4), 2011, Eq. 12, gives
-    /// M = ((N + 1) f_s / (2 f_c) + 4.6) / 3.2 for half-width M and degree N; the exact gain decides
-    /// around it.
+    /// M = ((N + 1) f_s / (2 f_c) + 4.6) / 3.2 for half-width M and degree N; the exact gain
+    /// decides around it.
     pub fn with_cutoff(cutoff_hz: f64, rate_hz: f64, degree: usize) -> Self {
         let relative = cutoff_hz / rate_hz;
         let estimate = ((degree + 1) as f64 / (2.0 * relative) + 4.6) / 3.2;

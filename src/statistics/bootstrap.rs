@@ -3,8 +3,8 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Rows per block for the circular bootstrap, b = (6 rho^2 / (1 - rho^2)^2)^(1/3) n^(1/3) with `rho`
-/// the correlation of neighbouring rows: Politis and White, "Automatic block-length selection for
+/// Rows per block for the circular bootstrap, b = (6 rho^2 / (1 - rho^2)^2)^(1/3) n^(1/3) with
+/// `rho` the correlation of neighbouring rows: Politis and White, "Automatic block-length selection for
 /// the dependent bootstrap", Econometric Reviews 23(1), 2004, Eq. 9, for an AR(1).
 pub fn block_length(rho: f64, n: usize) -> usize {
     let rho = rho.clamp(-0.99, 0.99);

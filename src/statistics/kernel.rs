@@ -61,8 +61,8 @@ impl Kernel {
     }
 }
 
-/// sum_t sum_s k((t - s)/S) g_t g_s^T over the rows g_t of `scores` (rows x columns): the covariance
-/// of their sum. `slots` are the rows' times; what lies between is taken as zero (amplitude
+/// sum_t sum_s k((t - s)/S) g_t g_s^T over the rows g_t of `scores` (rows x columns): the
+/// covariance of their sum. `slots` are the rows' times; what lies between is taken as zero (amplitude
 /// modulation: Parzen, Sankhya A 25, 1963; Datta and Du, "Nonparametric HAC estimation for time
 /// series data with missing observations", 2012). No small-sample correction.
 pub fn long_run_covariance(
