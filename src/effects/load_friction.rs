@@ -1,7 +1,8 @@
 //! Load-dependent friction: tau = mu sign(qd) |tau_load|, tau_load what the gear transmits.
 //!
-//! Explained with the rigid body's torque as the load (what is behind the gear: friction and
-//! rotor inertia lie on the motor's side).
+//! Explained with the torque of `motion.robot` as the load (what is behind the gear: friction and
+//! rotor inertia lie on the motor's side). A payload must be in that robot, or mu comes out too
+//! large.
 
 use super::coulomb::sign;
 use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};

@@ -14,7 +14,7 @@ pub use parts::{DriveTable, PerJoint, read_robot};
 
 use std::collections::BTreeMap;
 
-use crate::effects::{Effect, Motion, Role, Scope, find};
+use crate::effects::{Effect, Mechanism, Motion, Role, Scope, find};
 use crate::robot::{Drive, Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
 
@@ -53,7 +53,7 @@ impl Twin {
     /// What the drive must supply along a motion of `self.robot`, N.m.
     pub fn torque(&self, motion: &Motion<'_>) -> JointSeries {
         let mut tau = inverse_dynamics_series(&self.robot, motion.q, motion.qd, motion.qdd);
-        let motion = Motion { robot: &self.robot, ..*motion };
+        let laden = self.laden();
         for joint in 0..self.robot.dof() {
             let out = tau.joint_mut(joint);
             if !self.values.contains_key("rotor_inertia") {
@@ -61,10 +61,25 @@ impl Twin {
             }
             for effect in self.known() {
                 let Some(values) = self.values_at(effect, joint) else { continue };
-                add_effect(out, effect, &values, &motion, joint);
+                let robot = match effect.about().scope {
+                    Scope::Arm => &self.robot,
+                    Scope::Joint => &laden,
+                };
+                add_effect(out, effect, &values, &Motion { robot, ..*motion }, joint);
             }
         }
         tau
+    }
+
+    /// The robot with what is known about the whole arm built in: its gears carry the payload, too.
+    fn laden(&self) -> Robot {
+        let mut mechanism = Mechanism::new(self.robot.clone());
+        for effect in self.known().filter(|e| e.about().scope == Scope::Arm) {
+            if let Some(values) = self.values_at(effect, 0) {
+                effect.build(&values, 0, &mut mechanism);
+            }
+        }
+        mechanism.robot
     }
 
     fn catalogued(&self) -> impl Iterator<Item = &'static dyn Effect> {

@@ -134,6 +134,27 @@ fn torque_is_rigid_body_rotor_and_known_effects() {
     assert!((added - (1.0 - 5.0)).abs() < 1e-9, "in place of the drive's 1.1: {added}");
 }
 
+/// mu times the torque that the gear carries, 2.5 kg at the flange included.
+#[test]
+fn load_friction_feels_a_known_payload() {
+    let one = |x: f64| JointSeries::from_joints(&vec![vec![x]; 6]);
+    let (q, qd, qdd) = (one(0.3), one(0.5), one(0.0));
+    let mut twin = Twin { effects: vec!["payload".into()], ..Twin::default() };
+    for (name, value) in [("mass", 2.5), ("moment_x", 0.0), ("moment_y", 0.0), ("moment_z", 0.2)] {
+        twin.values.insert(format!("payload_{name}"), vec![value]);
+    }
+    let bare = Twin::default().robot;
+    let motion = Motion::new(&bare, 0.01, &q, &qd, &qdd);
+    let without = twin.torque(&motion);
+    twin.effects.push("load_friction".into());
+    twin.values.insert("load_friction".into(), vec![0.1; 6]);
+    let com = nalgebra::Vector3::z() * 0.08;
+    let laden = twin.robot.with_payload(2.5, com, nalgebra::Matrix3::zeros());
+    let load = inverse_dynamics_series(&laden, &q, &qd, &qdd).joint(1)[0];
+    let friction = twin.torque(&motion).joint(1)[0] - without.joint(1)[0];
+    assert!((friction - 0.1 * load.abs()).abs() < 1e-9, "{friction} of {load}");
+}
+
 /// A file under the folder of shared recordings, which need not be there.
 fn shared(path: &str) -> Option<PathBuf> {
     let root = std::env::var_os("ARMTWIN_SHARED")
