@@ -104,5 +104,5 @@ impl Articulated {
 /// r x M, column by column.
 #[inline]
 fn cross_columns(r: &Vector3<f64>, m: &Matrix3<f64>) -> Matrix3<f64> {
-    r.cross_matrix() * m
+    Matrix3::from_columns(&[r.cross(&m.column(0)), r.cross(&m.column(1)), r.cross(&m.column(2))])
 }
