@@ -124,6 +124,40 @@ fn continuous_joints_turn_without_end() {
     assert_same(&robot, &read(&write(&robot), "again").unwrap(), 1e-12);
 }
 
+/// What URDFs in the wild carry along: a world link, meshes, transmissions, foreign elements,
+/// axes of any length, no effort, elements in any order, a moving link called `base`.
+const WILD: &str = r#"<robot name="wild &amp; small" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <material name="blue"><color rgba="0 0 1 1"/></material>
+  <joint name="lift" type="continuous"><parent link="base"/><child link="arm"/>
+    <origin xyz="0 0 .4"/><axis xyz="1 0 0"/></joint>
+  <link name="world"/>
+  <joint name="stand" type="fixed"><parent link="world"/><child link="foot"/>
+    <origin xyz="0 0 1"/></joint>
+  <link name="foot"><visual><geometry><mesh filename="package://x/y.dae"/></geometry></visual></link>
+  <joint name="pan" type="revolute"><parent link="foot"/><child link="base"/>
+    <origin xyz="0 0 .1"/><axis xyz="0 0 2"/><limit lower="-1" upper="1" velocity="2"/>
+    <dynamics damping="0.1" friction="0"/><safety_controller k_velocity="1"/></joint>
+  <link name="base"><inertial><mass value="1"/><origin xyz="0 0 .2"/>
+    <inertia ixx=".1" ixy="0" ixz="0" iyy=".1" iyz="0" izz=".1"/></inertial></link>
+  <link name="arm"><inertial><mass value="1"/>
+    <inertia ixx=".1" ixy="0" ixz="0" iyy=".1" iyz="0" izz=".1"/></inertial></link>
+  <link name="tip"/>
+  <joint name="end" type="fixed"><parent link="arm"/><child link="tip"/>
+    <origin xyz="0 0 .5"/></joint>
+  <transmission name="t"><type>x</type><joint name="pan"/><actuator name="m"/></transmission>
+  <gazebo reference="base"><material>Gazebo/Blue</material></gazebo>
+</robot>"#;
+
+#[test]
+fn what_urdfs_in_the_wild_carry_along_does_no_harm() {
+    let robot = read(WILD, "wild").unwrap();
+    assert_eq!(robot.bodies[0].joint.placement.translation.z, 1.1);
+    assert_eq!(robot.bodies[0].joint.axis, Vector3::z_axis());
+    assert_eq!(robot.bodies[0].joint.limits.effort, f64::INFINITY);
+    assert_eq!(robot.flange.translation.z, 0.5);
+    assert_same(&robot, &read(&write(&robot), "again").unwrap(), 1e-12);
+}
+
 /// What a bad file is told must name the place and the way out.
 fn assert_refused(text: &str, words: &[&str]) {
     let message = read(text, "bad.urdf").unwrap_err().to_string();

@@ -7,24 +7,33 @@ use nalgebra::{Matrix3, Vector3};
 use super::visual::{self, Cylinder, Shape};
 use crate::robot::{Body, Inertia, Joint, Limits, Placement, Robot};
 
-/// Name of the fixed root link, the arm's base frame.
-const BASE: &str = "base";
-
-/// URDF of any robot; numbers are printed so that reading them back gives the same bits.
+/// URDF of any robot; numbers are printed so that reading them back gives the same bits. The root
+/// link `base` is the arm's base frame, `tool0` its flange.
 pub fn write(robot: &Robot) -> String {
+    let (base, tool) = (&free_name(robot, "base"), &free_name(robot, "tool0"));
     let mut text = String::from("<?xml version=\"1.0\"?>\n");
     text += "<!-- Made by `armtwin urdf`; inertial frames have the axes of their links. -->\n";
     let _ = writeln!(text, "<robot name=\"{}\">", escape(&robot.name));
-    text += &link(BASE, None, visual::base(robot));
+    text += &link(base, None, visual::base(robot));
     for (i, body) in robot.bodies.iter().enumerate() {
         let Shape { hub, tubes } = visual::body(robot, i);
         text += &link(&body.name, Some(&body.inertia), hub.into_iter().chain(tubes));
-        let parent = body.parent.map_or(BASE, |p| &robot.bodies[p].name);
+        let parent = body.parent.map_or(base, |p| &robot.bodies[p].name);
         text += &joint(&body.joint, parent, body);
     }
-    text += "  <link name=\"tool0\"/>\n";
-    text += &flange(robot);
+    let _ = writeln!(text, "  <link name=\"{tool}\"/>");
+    let last = robot.bodies.last().map_or(base, |b| &b.name);
+    text += &flange(&robot.flange, last, tool);
     text + "</robot>\n"
+}
+
+/// Moving links of other people's arms may be called `base`.
+fn free_name(robot: &Robot, wanted: &str) -> String {
+    let mut name = wanted.to_string();
+    while robot.bodies.iter().any(|b| b.name == name) {
+        name.push('_');
+    }
+    name
 }
 
 fn link(
@@ -95,12 +104,11 @@ fn limit(l: &Limits) -> String {
     format!("    <limit {range}velocity=\"{}\" effort=\"{effort}\"/>\n", l.velocity)
 }
 
-fn flange(robot: &Robot) -> String {
-    let parent = robot.bodies.last().map_or(BASE, |b| &b.name);
+fn flange(placement: &Placement, parent: &str, tool: &str) -> String {
     format!(
-        "  <joint name=\"tool0_fixed_joint\" type=\"fixed\">\n    {}\n    \
-         <parent link=\"{}\"/>\n    <child link=\"tool0\"/>\n  </joint>\n",
-        origin(&robot.flange),
+        "  <joint name=\"{tool}_fixed_joint\" type=\"fixed\">\n    {}\n    \
+         <parent link=\"{}\"/>\n    <child link=\"{tool}\"/>\n  </joint>\n",
+        origin(placement),
         escape(parent)
     )
 }
