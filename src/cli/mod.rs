@@ -6,6 +6,7 @@ mod convert;
 mod effects;
 mod identify;
 mod inspect;
+mod motor;
 mod robots;
 mod simulate;
 mod urdf;
@@ -28,6 +29,7 @@ enum Command {
     Effects(effects::Args),
     Identify(identify::Args),
     Inspect(inspect::Args),
+    Motor(motor::Args),
     Robots(robots::Args),
     Simulate(simulate::Args),
     Urdf(urdf::Args),
@@ -51,6 +53,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Effects(args) => effects::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Inspect(args) => inspect::run(&args),
+        Command::Motor(args) => motor::run(&args),
         Command::Robots(args) => robots::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Urdf(args) => urdf::run(&args),

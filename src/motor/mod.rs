@@ -1,8 +1,18 @@
 //! The paper's first case study: a DC motor whose ten parameters are identified with its
 //! simulation in the loop (section 3.1 and 4.1, Tables III and IV).
 
+pub mod dependence;
 pub mod dormand_prince;
+pub mod experiment;
+pub mod fit;
+pub mod inference;
+pub mod input;
 pub mod model;
+pub mod output_error;
+pub mod paper;
+pub mod render;
+pub mod report;
+pub mod scenario;
 pub mod sensitivity;
 pub mod simulate;
 

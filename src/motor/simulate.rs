@@ -11,12 +11,18 @@
 use super::dormand_prince::{Field, Step};
 use super::model::Motor;
 
+/// One level of voltage, held for a whole number of samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hold {
+    /// V
+    pub voltage: f64,
+    pub samples: usize,
+}
+
 /// Piecewise constant voltage, sampled on a grid that fits it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Input {
-    /// V, one per hold.
-    pub levels: Vec<f64>,
-    pub samples_per_hold: usize,
+    pub holds: Vec<Hold>,
     /// s
     pub sample_time: f64,
 }
@@ -24,12 +30,12 @@ pub struct Input {
 impl Input {
     /// Samples after the start (t = 0 is not one of them: the state there is known).
     pub fn samples(&self) -> usize {
-        self.levels.len() * self.samples_per_hold
+        self.holds.iter().map(|h| h.samples).sum()
     }
 
-    /// Voltage just before sample `k`, V.
-    pub fn voltage(&self, k: usize) -> f64 {
-        self.levels[k / self.samples_per_hold]
+    /// s
+    pub fn duration(&self) -> f64 {
+        self.samples() as f64 * self.sample_time
     }
 }
 
@@ -59,6 +65,10 @@ pub enum Failure {
 
 /// rad/s
 const LIMIT: f64 = 1e3;
+/// What the first step of all tries, s.
+const FIRST_STEP: f64 = 0.01;
+/// Longest step, s.
+const LONGEST_STEP: f64 = 1.0;
 /// Shorter remainders of a hold are rounding, s.
 const INSTANT: f64 = 1e-12;
 
@@ -80,10 +90,20 @@ pub fn simulate(
 ) -> Result<(), Failure> {
     output.omega.clear();
     output.current.clear();
-    run(&Plain(*motor), input, accuracy, |y: &[f64; 2]| {
-        output.current.push(y[CURRENT]);
-        output.omega.push(y[OMEGA]);
+    simulate_each(motor, input, accuracy, |i, w| {
+        output.current.push(i);
+        output.omega.push(w);
     })
+}
+
+/// Simulates from rest and hands over (current, speed) sample by sample; nothing is kept.
+pub fn simulate_each(
+    motor: &Motor,
+    input: &Input,
+    accuracy: Accuracy,
+    mut each: impl FnMut(f64, f64),
+) -> Result<(), Failure> {
+    run(&Plain(*motor), input, accuracy, |y: &[f64; 2]| each(y[CURRENT], y[OMEGA]))
 }
 
 pub(super) const CURRENT: usize = 0;
@@ -164,7 +184,7 @@ struct Run<const N: usize, S, F> {
     mode: Mode,
     /// Since the start of the hold, s.
     t: f64,
-    /// Length of a hold, s.
+    /// Length of the hold, s.
     end: f64,
     /// Next sample within the hold, from 1.
     next: usize,
@@ -185,26 +205,27 @@ pub(super) fn run<const N: usize, S: Hybrid<N>>(
     accuracy: Accuracy,
     out: impl FnMut(&[f64; N]),
 ) -> Result<(), Failure> {
-    let end = input.samples_per_hold as f64 * input.sample_time;
-    let peak = input.levels.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+    let peak = input.holds.iter().fold(0.0_f64, |m, h| m.max(h.voltage.abs()));
     let mut run = Run {
         system: *system,
         voltage: 0.0,
         y: [0.0; N],
         mode: Mode::Stand,
         t: 0.0,
-        end,
+        end: 0.0,
         next: 1,
         sample_time: input.sample_time,
-        samples: input.samples_per_hold,
-        h: end / 8.0,
+        samples: 0,
+        h: FIRST_STEP,
         steps: 0,
         accuracy,
         current_scale: peak.max(f64::MIN_POSITIVE) / system.motor().r,
         out,
     };
-    for (n, &voltage) in input.levels.iter().enumerate() {
-        run.hold(voltage).map_err(|e| e.shifted(n as f64 * end))?;
+    let mut start = 0.0;
+    for hold in &input.holds {
+        run.hold(hold).map_err(|e| e.shifted(start))?;
+        start += run.end;
     }
     Ok(())
 }
@@ -219,8 +240,10 @@ impl Failure {
 }
 
 impl<const N: usize, S: Hybrid<N>, F: FnMut(&[f64; N])> Run<N, S, F> {
-    fn hold(&mut self, voltage: f64) -> Result<(), Failure> {
-        self.voltage = voltage;
+    fn hold(&mut self, hold: &Hold) -> Result<(), Failure> {
+        self.voltage = hold.voltage;
+        self.samples = hold.samples;
+        self.end = hold.samples as f64 * self.sample_time;
         self.t = 0.0;
         self.next = 1;
         while self.end - self.t > INSTANT {
@@ -308,16 +331,28 @@ impl<const N: usize, S: Hybrid<N>, F: FnMut(&[f64; N])> Run<N, S, F> {
     /// Puts out the samples in the first `theta` of a step.
     #[inline]
     fn read_off(&mut self, step: &Step<N>, theta: f64) {
-        let until = self.t + theta * step.h;
-        if self.next > self.samples || self.sample_at() > until {
+        let last = self.samples_until(self.t + theta * step.h);
+        if self.next > last {
             return;
         }
         let dense = step.dense();
-        while self.next <= self.samples && self.sample_at() <= until {
-            let y = dense.at((self.sample_at() - self.t) / step.h);
-            (self.out)(&y);
-            self.next += 1;
+        let (t, per_h, sample_time) = (self.t, 1.0 / step.h, self.sample_time);
+        for k in self.next..=last {
+            (self.out)(&dense.at((k as f64 * sample_time - t) * per_h));
         }
+        self.next = last + 1;
+    }
+
+    /// The last sample of this hold that is not after `time`.
+    fn samples_until(&self, time: f64) -> usize {
+        let mut k = (time / self.sample_time) as usize;
+        while (k + 1) as f64 * self.sample_time <= time {
+            k += 1;
+        }
+        while k as f64 * self.sample_time > time {
+            k -= 1;
+        }
+        k.min(self.samples)
     }
 
     fn sample_at(&self) -> f64 {
@@ -337,7 +372,7 @@ impl<const N: usize, S: Hybrid<N>, F: FnMut(&[f64; N])> Run<N, S, F> {
         let factor = (0.9 * error.powf(-0.2)).clamp(0.2, 5.0);
         let cut_short = h < self.h && factor > 1.0;
         self.h = if cut_short { self.h.max(h * factor) } else { h * factor };
-        self.h = self.h.min(self.end);
+        self.h = self.h.min(LONGEST_STEP);
     }
 }
 

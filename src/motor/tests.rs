@@ -2,7 +2,7 @@
 
 use super::model::{COUNT, Motor, index};
 use super::sensitivity::{Sensitivities, simulate_with_sensitivities};
-use super::simulate::{Accuracy, Failure, Input, Output, simulate};
+use super::simulate::{Accuracy, Failure, Hold, Input, Output, simulate};
 
 pub(super) const TRUTH: Motor = Motor {
     j: 0.1,
@@ -17,9 +17,15 @@ pub(super) const TRUTH: Motor = Motor {
     omega_s: 0.01,
 };
 
+/// Equally long holds.
+pub(super) fn held(levels: &[f64], samples: usize, sample_time: f64) -> Input {
+    let holds = levels.iter().map(|&voltage| Hold { voltage, samples }).collect();
+    Input { holds, sample_time }
+}
+
 pub(super) fn input() -> Input {
     let levels = vec![4.0, -3.0, 0.9, 1.3, 0.4, -5.0, 2.0, 0.3, -0.9, -1.2, 5.0, -4.0];
-    Input { levels, samples_per_hold: 50, sample_time: 0.005 }
+    held(&levels, 50, 0.005)
 }
 
 fn output_of(motor: &Motor, input: &Input, tolerance: f64) -> Output {
@@ -55,7 +61,7 @@ fn agrees_with_scipy_through_stops_reversals_and_creep() {
     let golden: Golden =
         serde_json::from_str(include_str!("../../tests/golden/dc_motor.json")).unwrap();
     let samples_per_hold = (golden.hold / golden.dt).round() as usize;
-    let input = Input { levels: golden.levels, samples_per_hold, sample_time: golden.dt };
+    let input = held(&golden.levels, samples_per_hold, golden.dt);
     for case in golden.cases {
         assert!(case.events >= 10);
         let output = output_of(&Motor::from_array(&case.parameters), &input, 1e-12);
@@ -78,7 +84,7 @@ fn error_falls_with_the_tolerance() {
 #[test]
 fn stands_below_breakaway_and_keeps_standing() {
     // K U / R = 0.0933 < T_s: whatever the transient, the motor never moves.
-    let input = Input { levels: vec![0.7; 4], samples_per_hold: 20, sample_time: 0.01 };
+    let input = held(&[0.7; 4], 20, 0.01);
     let output = output_of(&TRUTH, &input, 1e-9);
     assert!(output.omega.iter().all(|&w| w == 0.0));
     let end = output.current.last().unwrap();
@@ -88,8 +94,7 @@ fn stands_below_breakaway_and_keeps_standing() {
 
 #[test]
 fn comes_to_a_stop_in_finite_time_and_sticks() {
-    let input =
-        Input { levels: vec![5.0, 0.0, 0.0, 0.0], samples_per_hold: 100, sample_time: 0.01 };
+    let input = held(&[5.0, 0.0, 0.0, 0.0], 100, 0.01);
     let output = output_of(&TRUTH, &input, 1e-9);
     assert!(output.omega[99] > 1.0);
     let stop = output.omega.iter().skip(100).position(|&w| w == 0.0).unwrap();
@@ -98,7 +103,7 @@ fn comes_to_a_stop_in_finite_time_and_sticks() {
 
 #[test]
 fn steady_speed_satisfies_the_torque_balance() {
-    let input = Input { levels: vec![4.0; 20], samples_per_hold: 10, sample_time: 0.1 };
+    let input = held(&[4.0; 20], 10, 0.1);
     let output = output_of(&TRUTH, &input, 1e-10);
     let (w, i) = (*output.omega.last().unwrap(), *output.current.last().unwrap());
     assert!((TRUTH.r * i + TRUTH.k * w - 4.0).abs() < 1e-8);
@@ -109,7 +114,7 @@ fn steady_speed_satisfies_the_torque_balance() {
 #[test]
 fn energy_balance_closes() {
     // U i = R i^2 + T_f w + d/dt (L i^2 / 2 + J w^2 / 2), by Simpson's rule within holds.
-    let input = Input { levels: vec![5.0, -2.0, 3.0], samples_per_hold: 2000, sample_time: 2e-4 };
+    let input = held(&[5.0, -2.0, 3.0], 2000, 2e-4);
     let output = output_of(&TRUTH, &input, 1e-12);
     let power = |k: usize, u: f64| {
         let (i, w) = if k == 0 { (0.0, 0.0) } else { (output.current[k - 1], output.omega[k - 1]) };
@@ -117,9 +122,10 @@ fn energy_balance_closes() {
         u * i - TRUTH.r * i * i - friction * w
     };
     let mut work = 0.0;
-    for (n, u) in input.levels.iter().enumerate() {
+    for (n, hold) in input.holds.iter().enumerate() {
+        let u = hold.voltage;
         for k in (n * 2000..(n + 1) * 2000).step_by(2) {
-            work += 2e-4 / 3.0 * (power(k, *u) + 4.0 * power(k + 1, *u) + power(k + 2, *u));
+            work += 2e-4 / 3.0 * (power(k, u) + 4.0 * power(k + 1, u) + power(k + 2, u));
         }
     }
     let (i, w) = (output.current.last().unwrap(), output.omega.last().unwrap());

@@ -87,6 +87,11 @@ impl Design {
         self.map.ncols()
     }
 
+    /// Of the Jacobian with unit-length columns, largest first; below the tolerance ones included.
+    pub fn singular_values(&self) -> &[f64] {
+        &self.singular
+    }
+
     /// Largest over smallest singular value of the unit-length columns; infinite if rank-deficient.
     pub fn condition(&self) -> f64 {
         match (self.singular.first(), self.singular.last()) {
