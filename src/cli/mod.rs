@@ -1,6 +1,7 @@
 //! The command line: one file per command, each with its `Args` and `run`.
 
 mod accuracy;
+mod compare;
 mod conditioning;
 mod convert;
 mod effects;
@@ -25,6 +26,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Accuracy(accuracy::Args),
+    Compare(compare::Args),
     Convert(convert::Args),
     Effects(effects::Args),
     Identify(identify::Args),
@@ -49,6 +51,7 @@ pub fn main() -> ExitCode {
 fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Accuracy(args) => accuracy::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Effects(args) => effects::run(&args),
         Command::Identify(args) => identify::run(&args),

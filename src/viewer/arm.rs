@@ -213,22 +213,26 @@ fn log_tubes(
     stream.log_static(entity, &capsules).map_err(log_error)
 }
 
-/// Where the arm works, for the camera.
+/// Where the arm works, for the camera: the box around its base and the path of its flange.
 pub struct Frame {
-    /// Between the base and the mean of the flange path, m.
+    /// m
     pub centre: Vector3<f64>,
-    /// Horizontal unit vector from the base towards the flange path.
+    /// Horizontal unit vector from the base towards the centre.
     pub ahead: Vector3<f64>,
-    /// Sum of the distances between consecutive joints, m.
-    pub reach: f64,
+    /// Diagonal of the box or reach of the arm, whichever is larger, m.
+    pub size: f64,
 }
 
 pub fn frame(robot: &Robot, q: &JointSeries) -> Frame {
+    let base = Vector3::zeros();
     let path = flange_path(robot, q);
-    let mean = path.iter().sum::<Vector3<f64>>() / path.len().max(1) as f64;
-    let ahead = Vector3::new(mean.x, mean.y, 0.0).try_normalize(1e-6).unwrap_or(Vector3::x());
+    let low = path.iter().fold(base, |low, p| low.inf(p));
+    let high = path.iter().fold(base, |high, p| high.sup(p));
+    let centre = (low + high) / 2.0;
+    let ahead = Vector3::new(centre.x, centre.y, 0.0).try_normalize(1e-6);
     let links: f64 = robot.bodies.iter().map(|b| b.joint.placement.translation.norm()).sum();
-    Frame { centre: mean / 2.0, ahead, reach: links + robot.flange.translation.norm() }
+    let reach = links + robot.flange.translation.norm();
+    Frame { centre, ahead: ahead.unwrap_or(Vector3::x()), size: reach.max((high - low).norm()) }
 }
 
 pub fn xyz(v: &Vector3<f64>) -> [f32; 3] {

@@ -30,7 +30,8 @@ pub struct Motion {
     pub qd: JointSeries,
 }
 
-/// N.m at the joint, drive side.
+/// N.m at the joint, drive side. NaN where a joint stands still and friction holds it with
+/// whatever torque there is: what the twin predicts then is no number to compare with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Torque {
     pub measured: JointSeries,

@@ -92,9 +92,9 @@ fn plot(c: &Comparison, joint: usize, quantity: &Quantity) -> Node {
 }
 
 fn view_3d(c: &Comparison) -> Node {
-    let arm::Frame { centre, ahead, reach } = arm::frame(&c.robot, &c.recorded.q);
+    let arm::Frame { centre, ahead, size } = arm::frame(&c.robot, &c.recorded.q);
     let side = ahead.cross(&Vector3::z());
-    let eye = centre + reach * (1.1 * side + 0.4 * ahead + 0.5 * Vector3::z());
+    let eye = centre + size * (0.85 * side + 0.3 * ahead + 0.35 * Vector3::z());
     let eye = bp::EyeControls3D::new()
         .with_position(arm::xyz(&eye))
         .with_look_target(arm::xyz(&centre))

@@ -1,5 +1,6 @@
 //! Tests of the program as a user runs it, one file per command.
 
+mod compare;
 mod effects;
 mod recording;
 mod robots;

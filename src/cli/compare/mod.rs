@@ -1,0 +1,81 @@
+//! `armtwin compare`: the twin beside a recording, as numbers and as a rerun file.
+
+#[cfg(feature = "viewer")]
+mod build;
+#[cfg(feature = "viewer")]
+mod fit;
+#[cfg(feature = "viewer")]
+mod judge;
+#[cfg(feature = "viewer")]
+mod replay;
+#[cfg(feature = "viewer")]
+mod summary;
+
+#[cfg(feature = "viewer")]
+use build::compare;
+
+use std::path::PathBuf;
+
+use super::conditioning::ConditioningArgs;
+
+/// Show the twin beside a recording: the arm twice in 3D, torques, angles, residuals
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  armtwin compare Movement_No6 -o movement6.rrd
+  armtwin compare check.csv --twin scenarios/twins/ur5.toml -o check.rrd
+  rerun check.rrd
+
+What the twin gives no values for is fitted on the recording; without --twin that is the paper's
+friction law, rotor inertia and current offset of a UR5. The twin is then driven along the recorded
+command (or the recorded position, where no command is recorded) by a computed-torque controller in
+the simulation. Look at the file with the viewer: pip install rerun-sdk==0.36.3")]
+#[cfg_attr(not(feature = "viewer"), allow(dead_code))]
+pub struct Args {
+    /// File, or folder with one log per signal
+    recording: PathBuf,
+    /// What is known about the arm [default: the built-in UR5 with the paper's drive]
+    #[arg(long, value_name = "TWIN.toml")]
+    twin: Option<PathBuf>,
+    /// Column map (TOML) of a CSV without RTDE names
+    #[arg(long, value_name = "MAP.toml")]
+    columns: Option<PathBuf>,
+    /// File to write
+    #[arg(short, long, value_name = "FILE.rrd", default_value = "compare.rrd")]
+    out: PathBuf,
+    /// Write the table, the twin's values and all settings as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    conditioning: ConditioningArgs,
+}
+
+#[cfg(not(feature = "viewer"))]
+pub fn run(_: &Args) -> anyhow::Result<()> {
+    anyhow::bail!(
+        "this armtwin was built without the viewer; build it with its default features \
+         (cargo build --release) to get `compare`"
+    )
+}
+
+#[cfg(feature = "viewer")]
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    use anyhow::Context;
+
+    use crate::{recording, twin::Twin, viewer::write_rrd};
+
+    let recording = recording::read(&args.recording, args.columns.as_deref())?;
+    let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
+    let terms = fit::terms(&twin, args.twin.is_some())?;
+    let how = args.conditioning.conditioning();
+    let compared = compare(&recording, &twin, terms.as_ref(), &how)
+        .with_context(|| args.recording.display().to_string())?;
+    println!("armtwin {}  compare", env!("CARGO_PKG_VERSION"));
+    compared.notes.iter().for_each(|note| println!("  {note}"));
+    println!("\n{}", compared.report.table());
+    if let Some(path) = &args.json {
+        compared.report.save(path).with_context(|| format!("--json {}", path.display()))?;
+    }
+    write_rrd(&compared.scene, &args.out)?;
+    println!("\n{}: open it with the viewer, `rerun {}`", args.out.display(), args.out.display());
+    Ok(())
+}
