@@ -9,20 +9,34 @@ pub fn nodes(n: usize) -> Vec<f64> {
     (0..n).map(|k| ((k as f64 + 0.5) * PI / n as f64).cos()).collect()
 }
 
-/// Values at `x` of the `n` Lagrange polynomials on [`nodes`]: an interpolant at `x` is their dot
-/// product with the values at the nodes (barycentric formula, Trefethen, Theorem 5.1).
-pub fn lagrange(n: usize, x: f64) -> Vec<f64> {
-    let at = nodes(n);
-    if let Some(hit) = at.iter().position(|&node| node == x) {
-        return (0..n).map(|k| if k == hit { 1.0 } else { 0.0 }).collect();
+/// The Lagrange polynomials on [`nodes`]: an interpolant at `x` is the dot product of their values
+/// with the values at the nodes (barycentric formula, Trefethen, Theorem 5.1).
+#[derive(Debug, Clone)]
+pub struct Lagrange {
+    nodes: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl Lagrange {
+    pub fn new(n: usize) -> Self {
+        let weight = |k: usize| {
+            let sine = ((k as f64 + 0.5) * PI / n as f64).sin();
+            if k.is_multiple_of(2) { sine } else { -sine }
+        };
+        Self { nodes: nodes(n), weights: (0..n).map(weight).collect() }
     }
-    let weight = |k: usize| {
-        let sine = ((k as f64 + 0.5) * PI / n as f64).sin();
-        if k.is_multiple_of(2) { sine } else { -sine }
-    };
-    let terms: Vec<f64> = (0..n).map(|k| weight(k) / (x - at[k])).collect();
-    let sum: f64 = terms.iter().sum();
-    terms.iter().map(|t| t / sum).collect()
+
+    /// Their values at `x`.
+    pub fn at(&self, x: f64) -> Vec<f64> {
+        if let Some(hit) = self.nodes.iter().position(|&node| node == x) {
+            return (0..self.nodes.len()).map(|k| if k == hit { 1.0 } else { 0.0 }).collect();
+        }
+        let pairs = self.weights.iter().zip(&self.nodes);
+        let mut values: Vec<f64> = pairs.map(|(w, node)| w / (x - node)).collect();
+        let scale = 1.0 / values.iter().sum::<f64>();
+        values.iter_mut().for_each(|v| *v *= scale);
+        values
+    }
 }
 
 /// The matrix that turns values at [`nodes`] into Chebyshev coefficients, row after row.
@@ -51,7 +65,7 @@ mod tests {
         let f = |x: f64| 1.0 - 3.0 * x + 4.0 * x.powi(5);
         let values: Vec<f64> = nodes(7).into_iter().map(f).collect();
         let x = 0.37;
-        let by_lagrange: f64 = lagrange(7, x).iter().zip(&values).map(|(l, v)| l * v).sum();
+        let by_lagrange: f64 = Lagrange::new(7).at(x).iter().zip(&values).map(|(l, v)| l * v).sum();
         let series: f64 = coefficients(7)
             .iter()
             .enumerate()
@@ -62,7 +76,7 @@ mod tests {
             .sum();
         assert!((by_lagrange - f(x)).abs() < 1e-14);
         assert!((series - f(x)).abs() < 1e-14);
-        assert_eq!(lagrange(3, nodes(3)[1]), [0.0, 1.0, 0.0]);
+        assert_eq!(Lagrange::new(3).at(nodes(3)[1]), [0.0, 1.0, 0.0]);
     }
 
     #[test]
@@ -72,7 +86,7 @@ mod tests {
         let values: Vec<f64> = nodes(n).into_iter().map(f).collect();
         for i in 0..100 {
             let x = -1.0 + 0.02 * f64::from(i);
-            let p: f64 = lagrange(n, x).iter().zip(&values).map(|(l, v)| l * v).sum();
+            let p: f64 = Lagrange::new(n).at(x).iter().zip(&values).map(|(l, v)| l * v).sum();
             assert!((p - f(x)).abs() < 1e-8, "{n} nodes, {x}");
         }
     }

@@ -23,7 +23,7 @@ use super::qr::{Qr, back_substitute, project_out};
 use super::tables::Tables;
 
 /// Accuracy of the interpolants relative to the largest value.
-const ACCURACY: f64 = 1e-16;
+const ACCURACY: f64 = 1e-14;
 
 #[derive(Debug, Clone)]
 pub struct QuadraticCost {
@@ -177,8 +177,9 @@ fn tabulate(curve: &Curve, qr: &Qr, left: &[f64]) -> Tables {
     let (middle, half) = (0.5 * (high * low).ln(), 0.5 * (high / low).ln());
     let count = chebyshev::nodes_needed(std::f64::consts::FRAC_PI_2, half, ACCURACY);
     let sums = Sums::new(curve, qr, left, middle, half, count);
+    let lagrange = chebyshev::Lagrange::new(count);
     Tables::new(low, high, qr.q.len() + 2, |velocity| {
-        sums.at(&chebyshev::lagrange(count, (velocity.ln() - middle) / half))
+        sums.at(&lagrange.at((velocity.ln() - middle) / half))
     })
 }
 
@@ -186,7 +187,7 @@ fn tabulate(curve: &Curve, qr: &Qr, left: &[f64]) -> Tables {
 struct Sums {
     h: Vec<Vec<f64>>,
     u: Vec<f64>,
-    products: DMatrix<f64>,
+    products: Vec<Vec<f64>>,
 }
 
 impl Sums {
@@ -207,8 +208,9 @@ impl Sums {
             axpy(*w, h, &mut out[..n]);
             out[n] += w * u;
         }
-        let w = DVector::from_column_slice(weights);
-        out[n + 1] = w.dot(&(&self.products * &w)).max(0.0);
+        let square: f64 =
+            weights.iter().zip(&self.products).map(|(w, p)| w * dot(weights, p)).sum();
+        out[n + 1] = square.max(0.0);
         out
     }
 }
@@ -219,18 +221,27 @@ fn project_once(orthonormal: &[Vec<f64>], column: &mut [f64]) -> Vec<f64> {
     h
 }
 
+/// Samples whose columns stay in the cache while they are multiplied with each other.
+const CACHED: usize = 512;
+
 /// Dot products of all columns with each other.
-fn products(columns: &[Vec<f64>]) -> DMatrix<f64> {
+fn products(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let n = columns.len();
-    let mut out = DMatrix::zeros(n, n);
-    for i in 0..n {
-        for j in (0..=i).step_by(4) {
-            let four = std::array::from_fn(|k| columns[(j + k).min(i)].as_slice());
-            for (k, value) in dot4(&columns[i], four).into_iter().enumerate() {
-                let j = (j + k).min(i);
-                out[(i, j)] = value;
-                out[(j, i)] = value;
+    let mut out = vec![vec![0.0; n]; n];
+    let samples = columns.first().map_or(0, Vec::len);
+    for from in (0..samples).step_by(CACHED) {
+        let part = |k: usize| &columns[k][from..(from + CACHED).min(samples)];
+        for i in 0..n {
+            for j in (0..=i).step_by(4) {
+                let four = dot4(part(i), std::array::from_fn(|k| part((j + k).min(i))));
+                let wanted = (i + 1 - j).min(4);
+                out[i][j..j + wanted].iter_mut().zip(four).for_each(|(o, v)| *o += v);
             }
+        }
+    }
+    for i in 0..n {
+        for j in 0..i {
+            out[j][i] = out[i][j];
         }
     }
     out

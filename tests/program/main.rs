@@ -5,6 +5,7 @@ mod effects;
 mod recording;
 mod robots;
 mod simulate;
+mod identify;
 
 use std::process::Command;
 

@@ -117,7 +117,7 @@ fn parameter_row(joint: String, p: &ParameterEstimate) -> Vec<String> {
 
 fn number(x: f64) -> String {
     match x.abs() {
-        a if a == 0.0 => "0".into(),
+        0.0 => "0".into(),
         a if !(1e-4..1e5).contains(&a) => format!("{x:.2e}"),
         a if a < 0.1 => format!("{x:.5}"),
         a if a < 10.0 => format!("{x:.4}"),
