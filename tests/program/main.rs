@@ -2,10 +2,10 @@
 
 mod compare;
 mod effects;
+mod identify;
 mod recording;
 mod robots;
 mod simulate;
-mod identify;
 
 use std::process::Command;
 
