@@ -6,11 +6,13 @@ use super::error::IdentificationError;
 use super::problem::{Column, JointProblem};
 use super::terms::Terms;
 use super::{MethodResult, separable, shared};
+use crate::effects::{self, Role};
 use crate::twin::Twin;
 
 /// `twin` with the values of `result` for everything in `terms`.
 ///
-/// Fitted rotor inertia replaces the drive's. A Stribeck curve with T_s < T_c is not physical and
+/// Fitted rotor inertia replaces the drive's. A term that was dropped at some joints is at its null
+/// value there; one that was dropped at all is no effect of the twin. A Stribeck curve with T_s < T_c is not physical and
 /// not kept: that joint is fitted again without it, so that its other values belong together.
 ///
 /// # Errors
@@ -35,10 +37,13 @@ pub fn fitted_twin(
     for (p, value) in arm.shared.iter().zip(&result.found.shared) {
         fitted.values.insert(p.name.clone(), vec![*value]);
     }
-    let names = terms.names().into_iter().filter(|n| *n != "rotor_inertia");
-    for name in names {
-        if !fitted.effects.iter().any(|e| e == name) {
-            fitted.effects.push(name.into());
+    for name in terms.names().into_iter().filter(|n| *n != "rotor_inertia") {
+        let found = fill_gaps(&mut fitted, name);
+        let known = fitted.effects.iter().any(|e| e == name);
+        match (found, known) {
+            (true, false) => fitted.effects.push(name.into()),
+            (false, true) => fitted.effects.retain(|e| e != name),
+            _ => {}
         }
     }
     if terms.contains("rotor_inertia") {
@@ -50,8 +55,23 @@ pub fn fitted_twin(
 
 fn set(twin: &mut Twin, name: &str, joint: usize, joints: usize, value: f64) {
     let values = twin.values.entry(name.into()).or_default();
-    values.resize(joints, 0.0);
+    values.resize(joints, f64::NAN);
     values[joint] = value;
+}
+
+/// Gives an effect's parameters their null value (nonlinear ones, which have none, their typical
+/// one) at the joints it was dropped from. False if it has values at no joint.
+fn fill_gaps(twin: &mut Twin, effect: &str) -> bool {
+    let parameters = effects::find(effect).map_or(&[][..], |e| e.about().parameters);
+    let mut found = false;
+    for p in parameters {
+        let absent = if p.role == Role::Linear { p.null } else { p.typical };
+        if let Some(values) = twin.values.get_mut(p.name) {
+            found |= values.iter().any(|v| v.is_finite());
+            values.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = absent);
+        }
+    }
+    found
 }
 
 /// Name and value of what a joint's twin is given.

@@ -15,6 +15,7 @@ pub mod problem;
 pub mod pso;
 pub mod qr;
 pub mod quadratic;
+mod reduce;
 pub mod separable;
 mod shared;
 mod tables;
@@ -30,6 +31,7 @@ pub use assemble::{ArmProblem, BoundsByName, assemble};
 pub use error::IdentificationError;
 pub use fitted::fitted_twin;
 pub use judge::LEVEL;
+pub use reduce::{Dropped, reduce};
 pub use terms::{PAPER_LAW, Terms};
 pub use verdict::verdict;
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::Report;
 use crate::files::write_whole;
-use crate::identification::{self, MethodResult, Settings};
+use crate::identification::{self, Dropped, MethodResult, Settings};
 use crate::recording::Provenance;
 use crate::signals::Conditioning;
 
@@ -24,6 +24,8 @@ struct Document<'a> {
     level: f64,
     settings: &'a Settings,
     conditioning: &'a Conditioning,
+    /// Terms taken out by `--reduce`; null without it.
+    dropped: Option<&'a [Dropped]>,
     methods: &'a [MethodResult],
     verdict: Vec<String>,
 }
@@ -65,6 +67,7 @@ pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
         level: identification::LEVEL,
         settings: report.settings,
         conditioning: report.conditioning,
+        dropped: report.dropped,
         methods: report.results,
         verdict: report.results.last().map(identification::verdict).unwrap_or_default(),
     };

@@ -9,8 +9,8 @@ use anyhow::{Context, bail};
 
 use super::conditioning::ConditioningArgs;
 use crate::identification::{
-    self, ArmProblem, BoundsByName, IdentificationError, Method, MethodResult, Search, Settings,
-    Terms,
+    self, ArmProblem, BoundsByName, Dropped, IdentificationError, Method, MethodResult, Search,
+    Settings, Terms,
 };
 use crate::recording::{self, Recording};
 use crate::signals::{Conditioning, Samples, condition};
@@ -49,6 +49,9 @@ pub struct Args {
     /// What to fit besides
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
+    /// Drop, one by one, the terms whose existence the robust test does not show, and fit the rest
+    #[arg(long)]
+    reduce: bool,
     /// Search bounds of a parameter, all joints (repeatable)
     #[arg(long, value_name = "NAME=MIN:MAX", value_parser = bound, allow_hyphen_values = true)]
     bounds: Vec<(String, [f64; 2])>,
@@ -104,6 +107,8 @@ pub(super) struct Report<'a> {
     pub conditioning: &'a Conditioning,
     pub fit: &'a Loaded,
     pub check: Option<&'a Loaded>,
+    /// With `--reduce`, the terms that were taken out.
+    pub dropped: Option<&'a [Dropped]>,
     pub results: &'a [MethodResult],
 }
 
@@ -122,12 +127,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let terms = args.terms(&twin)?;
     let conditioning = args.conditioning.conditioning();
     let load = |path: &Path| args.load(path, &twin, &terms, &conditioning);
-    let fit = load(&args.recording)?;
-    let check = args.check.as_deref().map(load).transpose()?;
+    let mut fit = load(&args.recording)?;
+    let mut check = args.check.as_deref().map(load).transpose()?;
     if let Some(check) = &check {
         refuse_same_samples(&fit.recording, &check.recording)?;
     }
     let settings = args.settings();
+    let dropped =
+        if args.reduce { Some(reduce(&mut fit, check.as_mut(), &settings)?) } else { None };
     let results =
         identification::identify(&fit.problem, check.as_ref().map(|c| &c.problem), &settings)?;
     let report = Report {
@@ -138,6 +145,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         conditioning: &conditioning,
         fit: &fit,
         check: check.as_ref(),
+        dropped: dropped.as_deref(),
         results: &results,
     };
     print::print(&report);
@@ -194,6 +202,15 @@ impl Args {
         };
         Settings { methods, seed: self.seed, pso_cost, ..Settings::default() }
     }
+}
+
+fn reduce(
+    fit: &mut Loaded,
+    check: Option<&mut Loaded>,
+    settings: &Settings,
+) -> Result<Vec<Dropped>, IdentificationError> {
+    let check = check.map(|c| &mut c.problem);
+    identification::reduce(&mut fit.problem, check, &settings.nlse)
 }
 
 fn refuse_same_file(fit: &Path, check: &Path) -> anyhow::Result<()> {

@@ -1,7 +1,9 @@
 //! Tables of an identification for people.
 
 use super::{Loaded, Report};
-use crate::identification::{self, Interval, JointEstimate, MethodResult, ParameterEstimate};
+use crate::identification::{
+    self, Dropped, Interval, JointEstimate, MethodResult, ParameterEstimate,
+};
 use crate::report::table;
 
 pub fn print(report: &Report<'_>) {
@@ -16,12 +18,26 @@ pub fn print(report: &Report<'_>) {
         );
     }
     println!("signals  {}", signals(report));
+    report.dropped.iter().for_each(|d| print_dropped(d));
     for result in report.results {
         print_method(result);
     }
     if let Some(result) = report.results.last() {
         println!("\nWhat {} found", result.method);
         identification::verdict(result).iter().for_each(|line| println!("  {line}"));
+    }
+}
+
+fn print_dropped(dropped: &[Dropped]) {
+    let mut joints: Vec<usize> = dropped.iter().map(|d| d.joint).collect();
+    joints.dedup();
+    println!("dropped  {}", if dropped.is_empty() { "nothing: every term is shown" } else { "" });
+    for joint in joints {
+        let terms = dropped.iter().filter(|d| d.joint == joint).map(|d| match &d.why {
+            Some(why) => format!("{} ({why})", d.term),
+            None => format!("{} (p {})", d.term, chance(d.p)),
+        });
+        println!("         joint {joint}: {}", terms.collect::<Vec<_>>().join(", "));
     }
 }
 

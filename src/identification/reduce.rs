@@ -1,0 +1,128 @@
+//! Which terms of the law exist: backward elimination by the robust test.
+//!
+//! Starting from the full law, the optional term whose existence the data show least (largest
+//! robust p; what cannot be told at all counts as 1) is taken out and the rest fitted again, until
+//! every term left is significant. Terms that cannot be told apart (quadratic and cubic viscous
+//! friction over a short range of speeds) thus do not hide each other: one of them goes first.
+//! Coulomb friction always stays. Intervals of what is left are conditional on this choice; their
+//! coverage is measured, not assumed (docs/identification.md).
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::ParameterEstimate;
+use super::arm::Prepared;
+use super::assemble::ArmProblem;
+use super::error::IdentificationError;
+use super::judge::{self, LEVEL};
+use super::problem::{Column, JointProblem};
+use super::{separable, shared};
+
+/// A term that was taken out of one joint's law.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Dropped {
+    /// From 1 at the base.
+    pub joint: usize,
+    /// `stribeck`, or the parameter's name.
+    pub term: String,
+    /// Of the robust test when it was dropped.
+    pub p: f64,
+    /// Why, if not for its p alone.
+    pub why: Option<String>,
+}
+
+/// The Stribeck term goes as a whole: excess and velocity.
+const STRIBECK: &str = "stribeck";
+
+/// Takes the terms out of `fit` (and `check`, which is assembled alike) that `fit` does not show.
+///
+/// # Errors
+/// If bounds are wrong or a residual is not finite.
+pub fn reduce(
+    fit: &mut ArmProblem,
+    mut check: Option<&mut ArmProblem>,
+    settings: &separable::Settings,
+) -> Result<Vec<Dropped>, IdentificationError> {
+    let common = shared::solve(fit, settings)?;
+    let left = shared::take_off(fit, &common);
+    let dropped: Vec<Vec<Dropped>> = left
+        .into_par_iter()
+        .map(|joint| eliminate(joint, settings))
+        .collect::<Result<_, IdentificationError>>()?;
+    for (j, terms) in dropped.iter().enumerate() {
+        for d in terms {
+            take_out(&mut fit.joints[j], &d.term);
+            if let Some(check) = check.as_deref_mut() {
+                take_out(&mut check.joints[j], &d.term);
+            }
+        }
+    }
+    Ok(dropped.into_iter().flatten().collect())
+}
+
+fn eliminate(
+    mut problem: JointProblem,
+    settings: &separable::Settings,
+) -> Result<Vec<Dropped>, IdentificationError> {
+    let mut dropped = Vec::new();
+    while let Some(next) = weakest(&problem, settings)? {
+        take_out(&mut problem, &next.term);
+        dropped.push(next);
+    }
+    Ok(dropped)
+}
+
+/// The optional term the data show least, if one is not shown.
+fn weakest(
+    problem: &JointProblem,
+    settings: &separable::Settings,
+) -> Result<Option<Dropped>, IdentificationError> {
+    let prepared = Prepared::new(problem.clone())?;
+    let x = prepared.separable(settings).x;
+    let estimates = judge::judge(problem, &x)?;
+    let terms = estimates.iter().filter_map(|e| doubt(problem, e, &estimates));
+    // Among equals the last goes: higher powers stand behind lower ones.
+    Ok(terms.filter(|d| d.p > 1.0 - LEVEL).reduce(|a, b| if b.p >= a.p { b } else { a }))
+}
+
+/// How much the data doubt the term that `estimate` belongs to; `None` for one that stays.
+fn doubt(
+    problem: &JointProblem,
+    estimate: &ParameterEstimate,
+    all: &[ParameterEstimate],
+) -> Option<Dropped> {
+    let (term, p, why) = match estimate.name.as_str() {
+        "coulomb" | "static" | "stribeck_velocity" => return None,
+        "stribeck_excess" => stribeck_doubt(estimate, all),
+        name => (name, estimate.p, estimate.why_not.clone()),
+    };
+    Some(Dropped { joint: problem.joint, term: term.into(), p, why })
+}
+
+/// A Stribeck term needs a dip (a positive excess) and a velocity of its own.
+fn stribeck_doubt(
+    excess: &ParameterEstimate,
+    all: &[ParameterEstimate],
+) -> (&'static str, f64, Option<String>) {
+    let velocity = all.iter().find(|e| e.name == "stribeck_velocity");
+    match velocity {
+        _ if excess.value <= 0.0 => {
+            (STRIBECK, 1.0, Some("T_s below T_c is no Stribeck dip".into()))
+        }
+        Some(v) if !v.identifiable => (STRIBECK, 1.0, v.why_not.clone()),
+        _ => (STRIBECK, excess.p, None),
+    }
+}
+
+/// Without its Stribeck term a curve is plain Coulomb friction.
+fn take_out(problem: &mut JointProblem, term: &str) {
+    if term != STRIBECK {
+        problem.columns.retain(|c| c.parameter.name != term);
+    } else if let Some(curve) = problem.curve.take() {
+        problem.columns.insert(0, Column { parameter: curve.coulomb, values: curve.sign });
+    }
+}
+
+#[cfg(test)]
+#[path = "reduce_tests.rs"]
+mod tests;
