@@ -28,7 +28,8 @@ from PIL import Image
 source, target, size = sys.argv[1:]
 picture = Image.open(source).convert("RGB")
 picture = picture.resize(tuple(int(n) for n in size.split("x")), Image.Resampling.LANCZOS)
-picture.quantize(256, dither=Image.Dither.NONE).save(target, optimize=True)
+few = picture.quantize(256, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+few.save(target, optimize=True)
 PY
 }
 

@@ -93,7 +93,7 @@ pub const HEADER: [&str; 7] =
 
 /// What the columns of [`HEADER`] hold.
 pub const LEGEND: [&str; 3] = [
-    "torque, R2: rms of measured - predicted, both low-passed, on the samples where the joint slides",
+    "torque, R2: rms of measured - predicted, both low-passed, where the joint slides",
     "simulated: rms of recorded - simulated position; the real arm's controller is not known, the \
      simulated one's stands in for it",
     "command: rms of recorded - commanded position",
