@@ -97,14 +97,14 @@ mod tests {
     fn q_is_orthonormal_and_q_times_r_is_a_for_nearly_dependent_columns() {
         let a = columns();
         let qr = Qr::new(a.clone());
-        for i in 0..3 {
+        for (i, column) in a.iter().enumerate() {
             for j in 0..3 {
                 let expected = if i == j { 1.0 } else { 0.0 };
                 assert!((dot(&qr.q[i], &qr.q[j]) - expected).abs() < 1e-14);
             }
             let mut rebuilt = vec![0.0; 50];
             (0..=i).for_each(|k| axpy(qr.r[(k, i)], &qr.q[k], &mut rebuilt));
-            assert!(rebuilt.iter().zip(&a[i]).all(|(x, y)| (x - y).abs() < 1e-14));
+            assert!(rebuilt.iter().zip(column).all(|(x, y)| (x - y).abs() < 1e-14));
         }
     }
 

@@ -231,18 +231,16 @@ fn products(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let samples = columns.first().map_or(0, Vec::len);
     for from in (0..samples).step_by(CACHED) {
         let part = |k: usize| &columns[k][from..(from + CACHED).min(samples)];
-        for i in 0..n {
+        for (i, row) in out.iter_mut().enumerate() {
             for j in (0..=i).step_by(4) {
                 let four = dot4(part(i), std::array::from_fn(|k| part((j + k).min(i))));
                 let wanted = (i + 1 - j).min(4);
-                out[i][j..j + wanted].iter_mut().zip(four).for_each(|(o, v)| *o += v);
+                row[j..j + wanted].iter_mut().zip(four).for_each(|(o, v)| *o += v);
             }
         }
     }
-    for i in 0..n {
-        for j in 0..i {
-            out[j][i] = out[i][j];
-        }
+    for (i, j) in (0..n).flat_map(|i| (0..i).map(move |j| (i, j))) {
+        out[j][i] = out[i][j];
     }
     out
 }
