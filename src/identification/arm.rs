@@ -7,9 +7,13 @@ use rayon::prelude::*;
 use super::assemble::ArmProblem;
 use super::bounds::Bounds;
 use super::error::IdentificationError;
+use super::posterior::{self, Sampled};
 use super::problem::JointProblem;
 use super::quadratic::QuadraticCost;
-use super::{Found, JointEstimate, MethodResult, judge, pso, separable, shared};
+use super::{
+    Found, JointEstimate, MethodResult, ParameterEstimate, adaptive_metropolis, judge, pso,
+    separable, shared,
+};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -18,6 +22,8 @@ pub enum Method {
     Pso,
     /// Separable least squares refined by Levenberg-Marquardt.
     Nlse,
+    /// Posterior by Markov chains.
+    Mcmc,
 }
 
 impl Method {
@@ -25,6 +31,7 @@ impl Method {
         match self {
             Self::Pso => "pso",
             Self::Nlse => "nlse",
+            Self::Mcmc => "mcmc",
         }
     }
 }
@@ -43,11 +50,12 @@ pub enum Search {
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Settings {
     pub methods: Vec<Method>,
-    /// Joint j's swarm is seeded with `seed` + 2^32 j.
+    /// Joint j's swarm and chains are seeded with `seed` + 2^32 j.
     pub seed: u64,
     pub pso: pso::Settings,
     pub pso_cost: Search,
     pub nlse: separable::Settings,
+    pub mcmc: adaptive_metropolis::Settings,
 }
 
 impl Default for Settings {
@@ -58,6 +66,7 @@ impl Default for Settings {
             pso: pso::Settings::default(),
             pso_cost: Search::default(),
             nlse: separable::Settings::default(),
+            mcmc: adaptive_metropolis::Settings::default(),
         }
     }
 }
@@ -106,6 +115,7 @@ struct Searched {
     evaluations: usize,
     seconds: f64,
     stopped: String,
+    posterior: Option<Sampled>,
 }
 
 /// Fits every joint by every method; `check` is another recording's problem, assembled alike.
@@ -119,6 +129,10 @@ pub fn identify(
     check: Option<&ArmProblem>,
     settings: &Settings,
 ) -> Result<Vec<MethodResult>, IdentificationError> {
+    if settings.methods.contains(&Method::Mcmc) && !fit.shared.is_empty() {
+        let names: Vec<_> = fit.shared.iter().map(|p| p.name.as_str()).collect();
+        return Err(IdentificationError::SharedPosterior { names: names.join(", ") });
+    }
     let common = shared::solve(fit, &settings.nlse)?;
     let joints = shared::take_off(fit, &common);
     let check = check.map(|c| shared::take_off(c, &common));
@@ -126,7 +140,7 @@ pub fn identify(
         joints.into_par_iter().map(Prepared::new).collect::<Result<_, _>>()?;
     let one = |&method: &Method| {
         let searched: Vec<Searched> =
-            prepared.par_iter().map(|p| search(p, method, settings)).collect();
+            prepared.par_iter().map(|p| search(p, method, settings)).collect::<Result<_, _>>()?;
         let xs: Vec<Vec<f64>> = searched.iter().map(|s| s.x.clone()).collect();
         let found = Found { joints: xs, shared: common.clone() };
         report(method, &prepared, fit, check.as_deref(), searched, found)
@@ -134,11 +148,16 @@ pub fn identify(
     settings.methods.iter().map(one).collect()
 }
 
-fn search(p: &Prepared, method: Method, settings: &Settings) -> Searched {
+fn search(
+    p: &Prepared,
+    method: Method,
+    settings: &Settings,
+) -> Result<Searched, IdentificationError> {
     let clock = Instant::now();
+    let seed = settings.seed.wrapping_add((p.problem.joint as u64) << 32);
+    let mut posterior = None;
     let (x, evaluations, stopped) = match method {
         Method::Pso => {
-            let seed = settings.seed.wrapping_add((p.problem.joint as u64) << 32);
             let o = p.swarm(settings, seed);
             (o.best, o.evaluations, text(o.stop))
         }
@@ -146,8 +165,16 @@ fn search(p: &Prepared, method: Method, settings: &Settings) -> Searched {
             let o = p.separable(&settings.nlse);
             (o.x, o.evaluations, text(o.stop))
         }
+        Method::Mcmc => {
+            let o = posterior::sample(p, &settings.mcmc, &settings.nlse, seed)?;
+            let stopped = if o.converged() { "converged" } else { "not_converged" };
+            let found = (o.x.clone(), o.evaluations, stopped.into());
+            posterior = Some(o);
+            found
+        }
     };
-    Searched { x, evaluations, seconds: p.seconds + clock.elapsed().as_secs_f64(), stopped }
+    let seconds = p.seconds + clock.elapsed().as_secs_f64();
+    Ok(Searched { x, evaluations, seconds, stopped, posterior })
 }
 
 /// A stop reason as it stands in JSON.
@@ -165,13 +192,16 @@ fn report(
     found: Found,
 ) -> Result<MethodResult, IdentificationError> {
     let problems: Vec<&JointProblem> = prepared.iter().map(|p| &p.problem).collect();
-    let (tables, arm) = if fit.shared.is_empty() {
+    let (mut tables, arm): (Vec<Vec<ParameterEstimate>>, _) = if fit.shared.is_empty() {
         let one = |(p, s): (&&JointProblem, &Searched)| judge::judge(p, &s.x);
         let pairs: Vec<_> = problems.iter().zip(&searched).collect();
         (pairs.into_par_iter().map(one).collect::<Result<_, _>>()?, vec![])
     } else {
         shared::judge(&problems, fit, &found)?
     };
+    for (rows, searched) in tables.iter_mut().zip(&searched) {
+        searched.posterior.iter().for_each(|p| p.replace(rows));
+    }
     let estimate = |(j, (s, parameters)): (usize, (Searched, Vec<_>))| JointEstimate {
         joint: problems[j].joint,
         samples: problems[j].samples(),

@@ -59,6 +59,11 @@ impl Bounds {
         x.clamp(self.lower[i], self.upper[i])
     }
 
+    pub fn contain(&self, x: &[f64]) -> bool {
+        let inside = |(i, &x): (usize, &f64)| self.lower[i] <= x && x <= self.upper[i];
+        x.iter().enumerate().all(inside)
+    }
+
     /// Within a millionth of the span of either end.
     pub fn reached(&self, i: usize, x: f64) -> bool {
         let near = if self.span(i).is_finite() { 1e-6 * self.span(i) } else { 0.0 };

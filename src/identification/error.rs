@@ -26,6 +26,11 @@ pub enum IdentificationError {
          lower --standstill"
     )]
     NothingSlides { threshold: f64 },
+    #[error(
+        "mcmc takes one joint at a time and cannot fit {names}, which all joints share: leave them \
+         out, give their values in the twin, or take --method nlse"
+    )]
+    SharedPosterior { names: String },
     #[error(transparent)]
     Bounds(#[from] BoundsError),
     #[error(transparent)]

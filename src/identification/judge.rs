@@ -137,6 +137,7 @@ impl Findings {
             at_bound,
             identifiable: true,
             why_not: None,
+            posterior: None,
         };
         if let Some(why) = &self.why_not[i] {
             give_up(&mut row, why.clone());
@@ -153,7 +154,7 @@ fn interval(i: &Inference) -> Interval {
 }
 
 /// Nothing is known but the range that was searched.
-fn give_up(row: &mut ParameterEstimate, why: String) {
+pub fn give_up(row: &mut ParameterEstimate, why: String) {
     let [low, high] = row.bounds;
     let all = Interval { low, high, statistic: 0.0, p: 1.0 };
     (row.low, row.high, row.statistic, row.p) = (low, high, 0.0, 1.0);
@@ -180,6 +181,7 @@ pub fn unknown(parameters: &[Parameter], x: &[f64], why: &str) -> Vec<ParameterE
             at_bound: reached(p, value),
             identifiable: true,
             why_not: None,
+            posterior: None,
         };
         give_up(&mut row, why.into());
         row

@@ -1,16 +1,19 @@
 //! Which parameters make the twin's torque match the recorded one, and how sure that is.
 
+pub mod adaptive_metropolis;
 mod arm;
 mod assemble;
 pub mod bounded;
 pub mod bounds;
 pub mod brent;
 pub mod chebyshev;
+mod coordinates;
 mod error;
 mod fitted;
 mod judge;
 pub mod kernels;
 pub mod levenberg_marquardt;
+mod posterior;
 pub mod problem;
 pub mod pso;
 pub mod qr;
@@ -31,6 +34,7 @@ pub use assemble::{ArmProblem, BoundsByName, assemble};
 pub use error::IdentificationError;
 pub use fitted::fitted_twin;
 pub use judge::LEVEL;
+pub use posterior::Posterior;
 pub use reduce::{Dropped, reduce};
 pub use terms::{PAPER_LAW, Terms};
 pub use verdict::verdict;
@@ -38,7 +42,7 @@ pub use verdict::verdict;
 /// What one method found, all joints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MethodResult {
-    /// `pso`, `nlse`, ...
+    /// `pso`, `nlse`, `mcmc`
     pub method: String,
     pub joints: Vec<JointEstimate>,
     /// Parameters of the whole arm (payload).
@@ -100,6 +104,9 @@ pub struct ParameterEstimate {
     /// False where these data do not determine the parameter; then `why_not` says what is missing.
     pub identifiable: bool,
     pub why_not: Option<String>,
+    /// Of `mcmc`: then `value` is its mean, `low` and `high` its 99 % interval.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posterior: Option<Posterior>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

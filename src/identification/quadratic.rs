@@ -64,6 +64,16 @@ impl QuadraticCost {
         Self { samples: problem.samples(), r: qr.r, c, rows, left, tables, bounds: bounds.clone() }
     }
 
+    /// R of the fixed columns and Q'y.
+    pub fn fixed(&self) -> (&DMatrix<f64>, &DVector<f64>) {
+        (&self.r, &self.c)
+    }
+
+    /// Calls `use_values` with `[h .., u, v]` at a w_s; `None` without a curve.
+    pub fn bend<T>(&self, velocity: f64, use_values: impl FnOnce(&[f64]) -> T) -> Option<T> {
+        self.tables.as_ref().map(|t| t.with(velocity, use_values))
+    }
+
     /// J = sqrt(SSE / n), N.m (the paper's Eq. 5).
     pub fn rms(&self, x: &[f64]) -> f64 {
         (self.sum_of_squares(x).max(0.0) / self.samples.max(1) as f64).sqrt()

@@ -67,6 +67,11 @@ impl Autoregression {
         self.coefficients.len() - 1
     }
 
+    /// Variance of the white noise.
+    pub fn innovation(&self) -> f64 {
+        self.innovation
+    }
+
     /// One order more, with reflection coefficient `k`.
     fn extend(&mut self, k: f64) {
         let next = predict(&self.coefficients, &self.autocovariance) - k * self.innovation;

@@ -6,6 +6,7 @@
 mod autocorrelation;
 mod autoregression;
 mod bootstrap;
+mod convergence;
 mod design;
 mod error;
 mod goodness;
@@ -14,10 +15,12 @@ mod kernel;
 mod long_run;
 mod noise;
 mod tail;
+mod whitening;
 
 pub use autocorrelation::{LjungBox, autocorrelation, effective_samples, ljung_box};
 pub use autoregression::{Autoregression, contiguous};
 pub use bootstrap::{block_bootstrap, block_length};
+pub use convergence::Convergence;
 pub use design::{Design, Direction};
 pub use error::StatisticsError;
 pub use goodness::Goodness;
@@ -26,6 +29,7 @@ pub use kernel::{Bandwidth, Kernel, long_run_covariance};
 pub use long_run::{LongRun, cosine_covariance, model_covariance};
 pub use noise::{noise_from_differences, noise_from_periodogram};
 pub use tail::{PValue, normal_quantile, normal_two_sided, student_quantile, student_two_sided};
+pub use whitening::Whitening;
 
 #[cfg(test)]
 mod coverage;

@@ -27,6 +27,7 @@ use crate::twin::Twin;
   armtwin identify fit.csv --check check.csv --with payload --json out.json --save-twin fitted.toml
   armtwin identify log.csv --columns scenarios/columns/ur10e_shamilmamedov.toml \\
       --twin scenarios/twins/ur10e.toml --with paper,offset
+  armtwin identify fit.csv --method pso,nlse,mcmc
   armtwin identify fit.csv --method nlse --bounds stribeck_velocity=0.01:0.2")]
 pub struct Args {
     /// Recording to fit: file, or folder with one log per signal
@@ -37,7 +38,7 @@ pub struct Args {
     /// What is known about the arm [default: the built-in UR5 with the paper's drive]
     #[arg(long, value_name = "TWIN.toml")]
     twin: Option<PathBuf>,
-    /// Estimators, in the order they are printed
+    /// Estimators, in the order they are printed: swarm, least squares, posterior by Markov chains
     #[arg(long, value_enum, value_delimiter = ',', default_value = "pso,nlse")]
     method: Vec<MethodArg>,
     /// Column map (TOML) of CSVs without RTDE names
@@ -55,7 +56,7 @@ pub struct Args {
     /// Search bounds of a parameter, all joints (repeatable)
     #[arg(long, value_name = "NAME=MIN:MAX", value_parser = bound, allow_hyphen_values = true)]
     bounds: Vec<(String, [f64; 2])>,
-    /// Seed of the swarm
+    /// Seed of the swarm and of the Markov chains
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// How the swarm's cost is evaluated: the same number, a thousand times apart in speed
@@ -75,6 +76,7 @@ pub struct Args {
 enum MethodArg {
     Pso,
     Nlse,
+    Mcmc,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -191,6 +193,7 @@ impl Args {
             let method = match method {
                 MethodArg::Pso => Method::Pso,
                 MethodArg::Nlse => Method::Nlse,
+                MethodArg::Mcmc => Method::Mcmc,
             };
             if !methods.contains(&method) {
                 methods.push(method);

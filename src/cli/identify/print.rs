@@ -102,13 +102,51 @@ fn print_method(result: &MethodResult) {
         .flat_map(|j| j.parameters.iter().map(move |p| parameter_row(j.joint.to_string(), p)));
     let arm = result.arm.iter().map(|p| parameter_row("arm".into(), p));
     println!("{}", table(&PARAMETERS, 3, joints.chain(arm)));
-    println!(
-        "99 %: robust to autocorrelation; asympt.: as if residuals were white; paper: its Eq. 8, \
-         sqrt(n) too narrow"
-    );
+    print_intervals(result);
     let checked = result.joints.iter().any(|j| j.check.is_some());
     println!("\n{}", table(&search_header(checked), 1, result.joints.iter().map(search_row)));
     print_reasons(result);
+}
+
+fn print_intervals(result: &MethodResult) {
+    let joints = result.joints.iter().flat_map(|j| j.parameters.iter().map(move |p| (j.joint, p)));
+    let posterior = |(joint, p)| posterior_row(joint, p);
+    let rows: Vec<Vec<String>> = joints.filter_map(posterior).collect();
+    let others = "asympt.: as if residuals were white; paper: its Eq. 8, sqrt(n) too narrow";
+    if rows.is_empty() {
+        println!("99 %: robust to autocorrelation; {others}");
+        return;
+    }
+    println!(
+        "99 %: credible, from a prior uniform within the bounds and autoregressive noise; value: \
+         posterior mean; t: mean over standard deviation; p: twice the posterior mass beyond zero; \
+         {others}"
+    );
+    println!("\n{}", table(&POSTERIOR, 2, rows));
+}
+
+const POSTERIOR: [&str; 11] = [
+    "joint",
+    "parameter",
+    "mean",
+    "median",
+    "sd",
+    "99 % low",
+    "high",
+    "R-hat",
+    "ESS bulk",
+    "ESS tail",
+    "",
+];
+
+fn posterior_row(joint: usize, p: &ParameterEstimate) -> Option<Vec<String>> {
+    let q = p.posterior?;
+    let mut row = vec![joint.to_string(), p.name.clone()];
+    row.extend([q.mean, q.median, q.standard_deviation, q.low, q.high].map(number));
+    row.push(format!("{:.4}", q.convergence.r_hat));
+    row.extend([q.convergence.ess_bulk, q.convergence.ess_tail].map(|n| format!("{n:.0}")));
+    row.push(if q.converged { "" } else { "not converged" }.into());
+    Some(row)
 }
 
 fn parameter_row(joint: String, p: &ParameterEstimate) -> Vec<String> {
