@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 use clap::ValueEnum;
@@ -15,6 +16,7 @@ use crate::motor::model::{NAMES, position};
 use crate::motor::render;
 use crate::motor::report::{Method, ScenarioReport, run as identify};
 use crate::motor::scenario::{Channel, SHIPPED, Scenario};
+use crate::motor::study::{Study, grid, study};
 
 /// The DC-motor case study: identify ten parameters from a simulated motor, and say which can be
 #[derive(clap::Args)]
@@ -22,7 +24,8 @@ use crate::motor::scenario::{Channel, SHIPPED, Scenario};
   armtwin motor                                      both shipped scenarios
   armtwin motor --measured omega,current             all ten parameters become identifiable
   armtwin motor --given R=1.5 --method nlse          so they do with one known
-  armtwin motor scenarios/dc_motor_2.toml --json result.json")]
+  armtwin motor scenarios/dc_motor_2.toml --json result.json
+  armtwin motor --study --measured omega,current     200 noises: what the tests are worth (minutes)")]
 pub struct Args {
     /// A scenario file; without one both shipped scenarios
     scenario: Option<PathBuf>,
@@ -44,6 +47,15 @@ pub struct Args {
     /// Of the noise and the searches
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Repeat over many noises and count what is kept and covered; Ctrl-C shows what is done
+    #[arg(long)]
+    study: bool,
+    /// Noises of the study, from --seed on
+    #[arg(long, default_value_t = 200, requires = "study")]
+    seeds: usize,
+    /// The first so many of them by PSO too (a minute each)
+    #[arg(long, default_value_t = 0, requires = "study")]
+    pso_seeds: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
@@ -64,26 +76,61 @@ struct Document<'a> {
     version: &'static str,
     seed: u64,
     scenarios: &'a [ScenarioReport],
+    #[serde(skip_serializing_if = "<[Study]>::is_empty")]
+    studies: &'a [Study],
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    let scenarios = scenarios(args)?;
+    if args.study {
+        return run_studies(&scenarios, args);
+    }
     let mut reports = Vec::new();
-    for scenario in scenarios(args)? {
-        let report = one(&scenario, args)?;
+    for scenario in &scenarios {
+        let report = one(scenario, args)?;
         println!("{}", render::text(&report));
         reports.push(report);
     }
+    let text: String = reports.iter().map(render::markdown).collect();
+    save_all(args, &text, &reports, &[])
+}
+
+fn run_studies(scenarios: &[Scenario], args: &Args) -> anyhow::Result<()> {
+    static STOP: AtomicBool = AtomicBool::new(false);
+    ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed))?;
+    let bar = ProgressBar::new((scenarios.len() * (args.seeds + args.pso_seeds)) as u64);
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} noises, {eta} left") {
+        bar.set_style(style);
+    }
+    let tick: Tick<'_> = &|| bar.inc(1);
+    let mut studies = Vec::new();
+    for scenario in scenarios {
+        for (method, seeds) in [(Method::Nlse, args.seeds), (Method::Pso, args.pso_seeds)] {
+            if seeds > 0 {
+                studies.push(study(scenario, method, args.seed, seeds, &STOP, tick)?);
+            }
+        }
+    }
+    bar.finish_and_clear();
+    studies.retain(|s| s.seeds > 0);
+    let grids: Vec<_> = studies.iter().map(grid).collect();
+    grids.iter().for_each(|g| println!("{}", g.text()));
+    let text: String = grids.iter().map(render::Grid::markdown).collect();
+    save_all(args, &text, &[], &studies)
+}
+
+fn save_all(
+    args: &Args,
+    markdown: &str,
+    scenarios: &[ScenarioReport],
+    studies: &[Study],
+) -> anyhow::Result<()> {
     if let Some(path) = &args.markdown {
-        let text: String = reports.iter().map(render::markdown).collect();
-        save(path, &text)?;
+        save(path, markdown)?;
     }
     if let Some(path) = &args.json {
-        let document = Document {
-            schema: "armtwin.motor/1",
-            version: env!("CARGO_PKG_VERSION"),
-            seed: args.seed,
-            scenarios: &reports,
-        };
+        let (schema, version) = ("armtwin.motor/1", env!("CARGO_PKG_VERSION"));
+        let document = Document { schema, version, seed: args.seed, scenarios, studies };
         save(path, &(serde_json::to_string_pretty(&document)? + "\n"))?;
     }
     Ok(())

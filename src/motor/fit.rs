@@ -1,8 +1,8 @@
 //! The two searches of the paper on the output-error problem: particle swarm, and Levenberg-Marquardt
 //! (its "NLSE") from several starts.
 //!
-//! Levenberg-Marquardt works in the logarithm of what must be positive: there the directions in
-//! which current and torques trade off are straight.
+//! Both work in the logarithm of what must be positive: there the directions in which current and
+//! torques trade off are straight.
 
 use std::time::Instant;
 
@@ -52,14 +52,15 @@ pub fn swarm(
     tick: Tick<'_>,
 ) -> Fit {
     let start = Instant::now();
-    let cost = |x: &[f64]| {
+    let coordinates = Coordinates { problem };
+    let cost = |u: &[f64]| {
         tick();
-        problem.cost(x)
+        problem.cost(&coordinates.parameters(u))
     };
-    let found = pso::minimise(cost, &problem.bounds(bounds), settings, seed);
+    let found = pso::minimise(cost, &coordinates.bounds(bounds), settings, seed);
     Fit {
         method: "pso",
-        values: problem.complete(&found.best),
+        values: problem.complete(&coordinates.parameters(&found.best)),
         cost: found.cost,
         evaluations: found.evaluations,
         seconds: start.elapsed().as_secs_f64(),
@@ -155,10 +156,7 @@ const SETTINGS: lm::Settings = lm::Settings {
 fn descend(problem: &OutputError<'_>, bounds: &[[f64; 2]; COUNT], point: &[f64; COUNT]) -> End {
     let coordinates = Coordinates { problem };
     let start = coordinates.coordinates(point);
-    let [low, high] = coordinates.corners(bounds);
-    let free = problem.free.len();
-    let bounds = Bounds::new(low, high).unwrap_or_else(|_| Bounds::unbounded(free));
-    let found = lm::minimise(&coordinates, &start, &bounds, &SETTINGS);
+    let found = lm::minimise(&coordinates, &start, &coordinates.bounds(bounds), &SETTINGS);
     End {
         cost: (found.sum_of_squares / coordinates.count() as f64).sqrt(),
         values: problem.complete(&coordinates.parameters(&found.x)),
@@ -192,6 +190,12 @@ impl Coordinates<'_> {
 
     fn corners(&self, bounds: &[[f64; 2]; COUNT]) -> [Vec<f64>; 2] {
         [0, 1].map(|end| self.coordinates(&bounds.map(|b| b[end])))
+    }
+
+    /// The scenario's bounds are checked to be a box.
+    fn bounds(&self, bounds: &[[f64; 2]; COUNT]) -> Bounds {
+        let [low, high] = self.corners(bounds);
+        Bounds::new(low, high).unwrap_or_else(|_| Bounds::unbounded(self.problem.free.len()))
     }
 }
 

@@ -126,6 +126,10 @@ pub struct Knowledge {
     pub smallest_kept: f64,
     /// Largest that counts as zero; `None`: all count.
     pub largest_dropped: Option<f64>,
+    /// How far the estimate is from the minimum of the cost: length of the Gauss-Newton step in
+    /// standard errors, |Q^T e| / sigma. Tests and intervals are about the minimum: from about 1 on
+    /// they do not hold.
+    pub newton_step: f64,
 }
 
 /// A Jacobian's factors with the estimate they belong to.
@@ -156,6 +160,7 @@ pub fn analyse(
         smallest_kept: analysis.relative_singular_value(analysis.design.rank().max(1) - 1),
         largest_dropped: (analysis.design.rank() < problem.free.len())
             .then(|| analysis.relative_singular_value(analysis.design.rank())),
+        newton_step: analysis.newton_step(),
     };
     let under_gauge = analysis.infer(&held);
     for (slot, &k) in problem.free.iter().enumerate() {
@@ -185,6 +190,10 @@ impl<'a> Analysis<'a> {
         let residual = -DVector::from_vec(residual);
         let sigma2 = residual.norm_squared() / (rows - design.rank()) as f64;
         Ok(Self { problem, x, design, residual, sigma2 })
+    }
+
+    fn newton_step(&self) -> f64 {
+        self.design.basis().tr_mul(&self.residual).norm() / self.sigma2.sqrt()
     }
 
     fn relative_singular_value(&self, at: usize) -> f64 {

@@ -15,8 +15,11 @@ pub mod report;
 pub mod scenario;
 pub mod sensitivity;
 pub mod simulate;
+pub mod study;
 
 pub use model::Motor;
 
+#[cfg(test)]
+mod identification_tests;
 #[cfg(test)]
 mod tests;

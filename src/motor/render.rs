@@ -39,6 +39,7 @@ pub fn text(report: &ScenarioReport) -> String {
     let mut parts = vec![heading(report)];
     parts.extend(report.warnings.iter().map(|w| format!("warning: {w}\n")));
     parts.extend(report.methods.iter().map(identifiability));
+    parts.extend(report.methods.iter().filter_map(stopped_short));
     parts.extend(grids(report).iter().map(Grid::text));
     parts.join("\n")
 }
@@ -48,6 +49,7 @@ pub fn markdown(report: &ScenarioReport) -> String {
     let mut parts = vec![format!("### {}\n", heading(report).trim_end())];
     parts.extend(report.warnings.iter().map(|w| format!("> {w}\n")));
     parts.extend(report.methods.iter().map(identifiability));
+    parts.extend(report.methods.iter().filter_map(stopped_short));
     parts.extend(grids(report).iter().map(Grid::markdown));
     parts.join("\n")
 }
@@ -109,6 +111,16 @@ fn identifiability(method: &MethodReport) -> String {
         directions.join("; "),
         cliff.threshold
     )
+}
+
+fn stopped_short(m: &MethodReport) -> Option<String> {
+    (!m.at_minimum).then(|| {
+        format!(
+            "{}: stopped {:.1} standard errors short of a minimum of its cost: its tests and \
+             intervals do not hold\n",
+            m.method, m.newton_step
+        )
+    })
 }
 
 fn estimates(m: &MethodReport) -> Grid {

@@ -80,6 +80,10 @@ pub struct MethodReport {
     pub seconds: f64,
     pub stopped: String,
     pub starts: Vec<End>,
+    /// Distance from the minimum in standard errors.
+    pub newton_step: f64,
+    /// False: the search stopped short, and tests and intervals do not hold.
+    pub at_minimum: bool,
     pub unidentifiable: Vec<Vec<&'static str>>,
     pub identifiability: Cliff,
     pub combinations: Vec<CombinationReport>,
@@ -96,6 +100,9 @@ pub struct Cliff {
 
 /// `statistics::Design` drops what is below, relative to the largest.
 const THRESHOLD: f64 = 1e-9;
+
+/// Standard errors from the minimum within which tests and intervals are taken to hold.
+const FARTHEST: f64 = 0.5;
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CombinationReport {
@@ -215,6 +222,8 @@ fn report_of(
         seconds: fit.seconds,
         stopped: fit.stopped,
         starts: fit.starts,
+        newton_step: knowledge.newton_step,
+        at_minimum: knowledge.newton_step <= FARTHEST,
         unidentifiable: knowledge.undetermined.iter().map(names).collect(),
         identifiability: Cliff {
             smallest_kept: knowledge.smallest_kept,
@@ -267,6 +276,7 @@ fn parameter(
         (true, ..) => "given".into(),
         (_, false, _) => beyond_reach(NAMES[k], knowledge),
         (_, _, true) => "at its bound: no interval".into(),
+        _ if knowledge.newton_step > FARTHEST => "not at a minimum: p and interval void".into(),
         _ => width_verdict(value, &robust, kept),
     };
     ParameterReport {

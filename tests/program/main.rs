@@ -3,6 +3,7 @@
 mod compare;
 mod effects;
 mod identify;
+mod motor;
 mod recording;
 mod robots;
 mod simulate;
