@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::effects::{About, CATALOGUE, Parameter, Role, Scope, find, names};
+use crate::effects::{About, CATALOGUE, Parameter, Role, Scope, Seen, find, names};
 use crate::report::{paragraph, table};
 
 /// List the physical effects the twin can inject and explain
@@ -57,9 +57,13 @@ fn row(about: &About, p: &Parameter) -> Vec<String> {
 
 fn details(about: &About) -> String {
     let mut text = format!("{}  ({})\n\n  {}\n\n", about.name, on(about), about.law);
-    for (label, what) in
-        [("cause", about.cause), ("remedy", about.remedy), ("source", about.source)]
-    {
+    let seen = find(about.name).map_or("", |e| shows_as(e.seen()));
+    for (label, what) in [
+        ("shows", seen),
+        ("cause", about.cause),
+        ("remedy", about.remedy),
+        ("source", about.source),
+    ] {
         text += &paragraph(&format!("  {label:<8}"), what);
     }
     let header = ["parameter", "symbol", "unit", "enters", "sign", "range", "typical", "absent at"];
@@ -86,9 +90,20 @@ fn examples(about: &About) -> String {
     )
 }
 
+fn shows_as(seen: Seen) -> &'static str {
+    match seen {
+        Seen::Columns => "as torque, in the recorded motion through inverse dynamics",
+        Seen::Channels => "as torque and motion that do not belong together in time",
+        Seen::Simulation => {
+            "only where the recorded command is simulated again: recorded motion and torque agree"
+        }
+    }
+}
+
 fn on(about: &About) -> &'static str {
     match about.scope {
         Scope::Joint => "each joint",
+        Scope::Link => "each joint, felt by all",
         Scope::Arm => "the whole arm",
     }
 }

@@ -2,17 +2,38 @@
 
 use super::Effect;
 
-/// Every effect armtwin knows, in the order of the docs.
+/// Every effect armtwin knows, in the order of the docs. A twin adds up their torques in this order
+/// (what scales the drive's torque after what makes it), and sensors show them in this order.
 pub static CATALOGUE: &[&dyn Effect] = &[
     &super::coulomb::Coulomb,
     &super::viscous::Viscous,
     &super::viscous_quadratic::ViscousQuadratic,
     &super::viscous_cubic::ViscousCubic,
     &super::stribeck::Stribeck,
+    &super::coulomb_asymmetry::CoulombAsymmetry,
     &super::load_friction::LoadFriction,
+    &super::temperature_friction::TemperatureFriction,
+    &super::presliding::Presliding,
+    &super::lugre::Lugre,
+    &super::maxwell_slip::MaxwellSlip,
+    &super::backlash::Backlash,
+    &super::joint_flexibility::JointFlexibility,
+    &super::torque_ripple::TorqueRipple,
+    &super::cable_spring::CableSpring,
+    &super::joint_coupling::JointCoupling,
     &super::rotor_inertia::RotorInertia,
-    &super::current_offset::CurrentOffset,
     &super::payload::Payload,
+    &super::link_inertia::LinkInertia,
+    &super::external_contact::ExternalContact,
+    &super::base_tilt::BaseTilt,
+    &super::encoder_offset::EncoderOffset,
+    &super::torque_constant::TorqueConstant,
+    &super::current_offset::CurrentOffset,
+    &super::torque_saturation::TorqueSaturation,
+    &super::controller_mismatch::ControllerMismatch,
+    &super::velocity_lag::VelocityLag,
+    &super::time_delay::TimeDelay,
+    &super::quantisation::Quantisation,
 ];
 
 /// By the name in its `about`.

@@ -2,14 +2,41 @@
 //!
 //! Sign convention: an effect's torque is what the drive must supply in addition to rigid-body
 //! inverse dynamics, tau_motor = ID(q, qd, qdd) + sum of effects.
+//!
+//! To add an effect copy a neighbour and put one line into [`CATALOGUE`] (ARCHITECTURE.md).
 
+mod backlash;
+mod base_tilt;
+mod cable_spring;
 mod catalogue;
+mod channels;
+mod controller_mismatch;
 mod coulomb;
+mod coulomb_asymmetry;
 mod current_offset;
+mod encoder_offset;
+mod external_contact;
+mod hysteresis;
+mod joint_coupling;
+mod joint_flexibility;
+mod link_inertia;
 mod load_friction;
+mod lugre;
+mod maxwell_slip;
+mod mechanism;
+mod motion;
 mod payload;
+mod presliding;
+mod quantisation;
 mod rotor_inertia;
+mod state;
 mod stribeck;
+mod temperature_friction;
+mod time_delay;
+mod torque_constant;
+mod torque_ripple;
+mod torque_saturation;
+mod velocity_lag;
 mod viscous;
 mod viscous_cubic;
 mod viscous_quadratic;
@@ -18,8 +45,12 @@ mod viscous_quadratic;
 mod tests;
 
 pub use catalogue::{CATALOGUE, find, names};
+pub use channels::Channels;
+pub use hysteresis::dahl;
+pub use mechanism::{ControlChange, Mechanism, Transmission};
+pub use motion::Motion;
+pub use state::{ArmState, JointLoad, JointState};
 
-use crate::robot::Robot;
 use crate::series::JointSeries;
 
 /// What a parameter is; data, so that command line, docs, scenario keys and tests follow from it.
@@ -47,11 +78,26 @@ pub enum Role {
     Nonlinear,
 }
 
+/// How an effect shows where the recorded motion goes through inverse dynamics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Seen {
+    /// As torque: columns in its linear parameters.
+    Columns,
+    /// As channels that do not belong together: corrected for given values.
+    Channels,
+    /// Not at all: recorded torque and motion agree. Only a simulation of the recorded command
+    /// shows it.
+    Simulation,
+}
+
 /// Does every joint have its own parameters or does the arm share one set?
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Scope {
     Joint,
+    /// Every joint has its own parameters, and they act on the torque of all joints.
+    Link,
     Arm,
 }
 
@@ -75,25 +121,48 @@ pub struct About {
 }
 
 /// A physical effect: the contract a new file in this folder implements, plus one line in
-/// [`CATALOGUE`]. Everything but `about` and `columns` has a default; an effect implements the
-/// hooks where it acts:
+/// [`CATALOGUE`]. Only `about` has no default; an effect implements the hooks where it acts.
 ///
+/// Inject, at one of three places:
 /// * in the mechanism before the first step (inertia, payload, tilt, encoder zero, limits,
-///   elastic or slack transmission): [`build`](Effect::build); what it changes is a field of
-///   [`Mechanism`];
+///   elastic or slack transmission, controller): [`build`](Effect::build); what it changes is a
+///   field of [`Mechanism`];
 /// * in every step (friction, ripple, spring): [`act`](Effect::act); what it reads is a field of
-///   [`JointState`], what it remembers is its memory.
+///   [`JointState`], what it remembers is its memory;
+/// * in the recorded channels (delay, lag, rounding): [`measure`](Effect::measure).
 ///
-/// `columns` explains the same physics from conditioned motion. An effect that inverse dynamics
-/// cannot see returns columns of zeros. A hook on the measured channels (gain, delay, lag,
-/// quantisation) is to come with the first effect that needs one; it will have a default, too.
+/// Explain the same physics from conditioned signals, as [`seen`](Effect::seen) declares: by
+/// [`columns`](Effect::columns) (and [`reach`](Effect::reach) where one joint's parameters act on
+/// other joints), or by [`correct`](Effect::correct), or not at all.
 pub trait Effect: Sync {
     fn about(&self) -> &'static About;
+
+    /// How the effect shows where the recorded motion goes through inverse dynamics.
+    fn seen(&self) -> Seen {
+        Seen::Columns
+    }
 
     /// Explain: N.m at `joint` per unit of each linear parameter, one column of
     /// `motion.samples()` values per linear parameter, for given nonlinear parameters.
     /// Of an effect on the whole arm every joint has its columns, the parameters are shared.
-    fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>>;
+    fn columns(&self, _motion: &Motion<'_>, _joint: usize, _nonlinear: &[f64]) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    /// Explain an effect of [`Scope::Link`]: N.m at every joint per unit of each linear parameter
+    /// of joint `from`. Other effects reach no further than their own joint.
+    fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
+        let alone = |column: Vec<f64>| {
+            let mut series = JointSeries::zeros(motion.robot.dof(), motion.samples());
+            series.joint_mut(from).copy_from_slice(&column);
+            series
+        };
+        self.columns(motion, from, nonlinear).into_iter().map(alone).collect()
+    }
+
+    /// Explain: undoes on one joint's conditioned channels what [`measure`](Effect::measure) did
+    /// to them, for given values of all parameters, so that motion and torque belong together.
+    fn correct(&self, _values: &[f64], _channels: &mut Channels) {}
 
     /// Inject: what the effect adds to `load` at one joint in one step, for parameter values in
     /// the order of [`About::parameters`]. Sliding laws only fill in dry level and damping; the
@@ -102,7 +171,7 @@ pub trait Effect: Sync {
     fn act(
         &self,
         _values: &[f64],
-        _state: &JointState,
+        _state: &JointState<'_>,
         _memory: &mut [f64],
         _load: &mut JointLoad,
     ) {
@@ -111,73 +180,8 @@ pub trait Effect: Sync {
     /// Inject: what changes in the mechanism before the first step. Called once per joint that
     /// has the effect; for an effect on the whole arm once, with `joint` 0.
     fn build(&self, _values: &[f64], _joint: usize, _mechanism: &mut Mechanism) {}
-}
 
-/// Conditioned motion that an effect is explained with, and the arm it belongs to.
-#[derive(Debug, Clone, Copy)]
-pub struct Motion<'a> {
-    pub robot: &'a Robot,
-    /// Time between samples, s.
-    pub dt: f64,
-    /// rad, rad/s, rad/s^2
-    pub q: &'a JointSeries,
-    pub qd: &'a JointSeries,
-    pub qdd: &'a JointSeries,
-    /// deg C, where known.
-    pub temperature: Option<&'a JointSeries>,
-}
-
-impl<'a> Motion<'a> {
-    /// Motion without temperatures.
-    pub fn new(
-        robot: &'a Robot,
-        dt: f64,
-        q: &'a JointSeries,
-        qd: &'a JointSeries,
-        qdd: &'a JointSeries,
-    ) -> Self {
-        Self { robot, dt, q, qd, qdd, temperature: None }
-    }
-
-    pub fn samples(&self) -> usize {
-        self.q.samples()
-    }
-}
-
-/// A joint at the start of a simulation step.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct JointState {
-    /// s since the start, and the length of the step.
-    pub time: f64,
-    pub dt: f64,
-    pub q: f64,
-    pub qd: f64,
-    /// Torque through the gear in the last step without friction, N.m.
-    pub transmitted: f64,
-}
-
-/// What acts on a joint during a simulation step.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct JointLoad {
-    /// Level of dry friction, N.m, >= 0 in sum: opposes motion, holds when standing.
-    pub dry: f64,
-    /// N.m.s/rad, multiplies the velocity of this step.
-    pub damping: f64,
-    /// N.m the drive must overcome, whatever the direction of motion.
-    pub torque: f64,
-}
-
-/// What a simulation is built from; effects change it before the first step.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mechanism {
-    pub robot: Robot,
-    /// kg.m2 added to each joint's diagonal (reflected rotor inertia).
-    pub armature: Vec<f64>,
-}
-
-impl Mechanism {
-    /// The robot with ideal drives.
-    pub fn new(robot: Robot) -> Self {
-        Self { armature: vec![0.0; robot.dof()], robot }
-    }
+    /// Inject: what one joint's channels show of the truth; noise is in them, the rounding of
+    /// the scenario's sensors comes after. Effects measure in the order of the catalogue.
+    fn measure(&self, _values: &[f64], _channels: &mut Channels) {}
 }

@@ -9,7 +9,7 @@
 //! No integrator, as on purpose: where friction is fed forward wrongly a joint at rest keeps its
 //! small error instead of hunting, and rest phases tell offset from asymmetric friction.
 
-use crate::effects::{JointLoad, Mechanism};
+use crate::effects::{ControlChange, JointLoad, Mechanism};
 use crate::motion::{Spline, Trajectory};
 use crate::robot::{Robot, Workspace, inverse_dynamics};
 
@@ -52,6 +52,16 @@ impl Default for ControllerSettings {
 }
 
 impl ControllerSettings {
+    /// The controller as it is, where the scenario's is the assumed one.
+    pub(super) fn changed(&self, by: &ControlChange) -> Self {
+        Self {
+            bandwidth_rad_s: by.bandwidth * self.bandwidth_rad_s,
+            damping_ratio: by.damping * self.damping_ratio,
+            friction_feedforward: by.feedforward * self.friction_feedforward,
+            ..self.clone()
+        }
+    }
+
     /// The rate is checked with the other rates, by the clock.
     pub(super) fn check(&self) -> Result<(), String> {
         let must = |key, value: f64, range: std::ops::RangeInclusive<f64>| {

@@ -1,6 +1,6 @@
 //! Effects at work: catalogue entries with their values, joint by joint.
 
-use crate::effects::{Effect, JointLoad, JointState, Mechanism, Scope};
+use crate::effects::{ArmState, CATALOGUE, Channels, Effect, JointLoad, Mechanism, Scope};
 
 /// An effect and its parameter values at some joints (or for the whole arm).
 #[derive(Clone)]
@@ -16,7 +16,7 @@ pub struct Injection {
 impl Injection {
     fn row(&self, i: usize) -> &[f64] {
         match self.effect.about().scope {
-            Scope::Joint => &self.values[i],
+            Scope::Joint | Scope::Link => &self.values[i],
             Scope::Arm => &self.values[0],
         }
     }
@@ -53,6 +53,9 @@ impl Injections {
                 });
             }
         }
+        let place =
+            |a: &Acting| CATALOGUE.iter().position(|e| e.about().name == a.effect.about().name);
+        acting.sort_by_key(place);
         Self { acting }
     }
 
@@ -68,12 +71,20 @@ impl Injections {
         self.acting.iter_mut().for_each(|a| a.memory.fill(0.0));
     }
 
-    /// What acts on each joint in the step that begins in `states`. To be called once per step:
-    /// effects with memory move on.
-    pub fn loads(&mut self, states: &[JointState], loads: &mut [JointLoad]) {
+    /// What acts on each joint in the step that begins in the state `arm`. To be called once per
+    /// step: effects with memory move on.
+    pub fn loads(&mut self, arm: &ArmState<'_>, loads: &mut [JointLoad]) {
         loads.fill(JointLoad::default());
         for a in &mut self.acting {
-            a.effect.act(&a.values, &states[a.joint], &mut a.memory, &mut loads[a.joint]);
+            let state = arm.joint(a.joint);
+            a.effect.act(&a.values, &state, &mut a.memory, &mut loads[a.joint]);
+        }
+    }
+
+    /// What is recorded of `joint`, in the order of the catalogue.
+    pub fn measure(&self, joint: usize, channels: &mut Channels) {
+        for a in self.acting.iter().filter(|a| a.joint == joint) {
+            a.effect.measure(&a.values, channels);
         }
     }
 }

@@ -10,6 +10,7 @@ mod run;
 mod scenario;
 mod sensors;
 mod setup;
+mod thermal;
 mod truth;
 
 pub use controller::{Command, ComputedTorque, ControllerSettings, Feedback, Target};
@@ -20,6 +21,7 @@ pub use run::{Exact, Run, Simulation, SimulationError};
 pub use scenario::{Experiment, Scenario, ScenarioError};
 pub use sensors::{Noise, Quantisation};
 pub use setup::{Clock, ClockError, Setup};
+pub use thermal::Thermal;
 pub use truth::Truth;
 
 #[cfg(test)]

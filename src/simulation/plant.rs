@@ -14,6 +14,10 @@
 //! rapier gives every angular degree of freedom a default damping of 0.1, removed here. It takes
 //! Coriolis, centrifugal and gyroscopic terms implicitly through an approximate linearisation,
 //! which is why the order of convergence is one (docs/accuracy.md).
+//!
+//! Where the transmission gives way, the motor is a body of its own (next to massless, with the
+//! armature) that carries the link on a second, coaxial joint; the torque between them is explicit,
+//! which takes no energy and needs a step of 0.1 ms or less.
 
 use nalgebra::{Matrix3, Unit, Vector3};
 use rapier3d_f64::glamx::{DMat3, DQuat, DVec3};
@@ -22,8 +26,8 @@ use rapier3d_f64::prelude::{
     PhysicsWorld, Pose, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
 };
 
-use crate::effects::{JointLoad, Mechanism};
-use crate::robot::{Body, Placement};
+use crate::effects::{JointLoad, Mechanism, Transmission, dahl};
+use crate::robot::{Body, Inertia, Placement, Robot, Workspace, gravity_torque};
 
 /// Gauss-Seidel sweeps over the friction constraints of all joints in a step.
 const FRICTION_SWEEPS: usize = 16;
@@ -38,6 +42,11 @@ pub enum PlantError {
     Armature { bodies: usize, armatures: usize },
     #[error("body {0} has no mass: rapier needs a positive mass (merge it into its parent)")]
     Mass(String),
+    #[error(
+        "joint {0} has an elastic or slack transmission: it needs a rotor_inertia and a stiffness \
+         above 0"
+    )]
+    Transmission(usize),
 }
 
 /// A mechanism in motion. Reusable through [`Plant::set_state`]; no state outside of it.
@@ -45,12 +54,38 @@ pub struct Plant {
     world: PhysicsWorld,
     arm: MultibodyIndex,
     base: RigidBodyHandle,
+    robot: Robot,
+    /// One per degree of freedom, in rapier's order.
     links: Vec<Link>,
+    joints: Vec<Jointed>,
     step_s: f64,
+    /// Generalised coordinates and velocities, one per degree of freedom.
+    coordinates: Vec<f64>,
+    velocities: Vec<f64>,
+    motor: Side,
+    v_mid: Vec<f64>,
+    link: Side,
+}
+
+/// Motion of one side of the transmissions, per joint.
+struct Side {
     q: Vec<f64>,
     v: Vec<f64>,
     a: Vec<f64>,
-    v_mid: Vec<f64>,
+}
+
+/// Where a joint's degrees of freedom are.
+struct Jointed {
+    motor: usize,
+    /// The link's relative to the motor, where the transmission gives way.
+    wound: Option<Wound>,
+}
+
+struct Wound {
+    dof: usize,
+    transmission: Transmission,
+    /// Of the hysteresis, -1 to 1.
+    z: f64,
 }
 
 struct Link {
@@ -66,27 +101,49 @@ impl Plant {
         check(mechanism, step_s)?;
         let mut world = still_world(step_s, mechanism.robot.gravity);
         let base = world.insert_body(RigidBodyBuilder::fixed());
-        let mut links: Vec<Link> = Vec::with_capacity(mechanism.robot.dof());
-        for body in &mechanism.robot.bodies {
-            let parent = body.parent.map_or(base, |p| links[p].body);
-            links.push(insert_link(&mut world, body, parent));
+        let mut links: Vec<Link> = Vec::new();
+        let mut joints: Vec<Jointed> = Vec::new();
+        for (body, transmission) in mechanism.robot.bodies.iter().zip(&mechanism.transmission) {
+            let carrier = |p: usize| links[joints[p].link()].body;
+            let mut parent = body.parent.map_or(base, carrier);
+            let motor = links.len();
+            let mut body = body.clone();
+            if transmission.is_some() {
+                links.push(insert_link(&mut world, &rotor_of(&body), parent));
+                parent = links[motor].body;
+                body.joint.placement = Placement::identity();
+            }
+            let wound = transmission.map(|t| Wound { dof: links.len(), transmission: t, z: 0.0 });
+            links.push(insert_link(&mut world, &body, parent));
+            joints.push(Jointed { motor, wound });
         }
         let Some(link) = links.first().and_then(|l| world.multibody_joints.rigid_body_link(l.body))
         else {
             return Err(PlantError::Mass("(the robot has no bodies)".into()));
         };
         let arm = link.multibody;
-        let dof = links.len();
-        let zeros = vec![0.0; dof];
-        let (q, v, a, v_mid) = (zeros.clone(), zeros.clone(), zeros.clone(), zeros);
-        let mut plant = Self { world, arm, base, links, step_s, q, v, a, v_mid };
+        let (dof, zeros) = (joints.len(), vec![0.0; links.len()]);
+        let mut plant = Self {
+            world,
+            arm,
+            base,
+            robot: mechanism.robot.clone(),
+            links,
+            joints,
+            step_s,
+            coordinates: zeros.clone(),
+            velocities: zeros,
+            motor: Side::still(dof),
+            v_mid: vec![0.0; dof],
+            link: Side::still(dof),
+        };
         plant.settle(&mechanism.armature);
         Ok(plant)
     }
 
-    /// Degrees of freedom.
+    /// Joints.
     pub fn dof(&self) -> usize {
-        self.links.len()
+        self.joints.len()
     }
 
     /// s
@@ -94,20 +151,26 @@ impl Plant {
         self.step_s
     }
 
-    /// Joint angles, rad (unwrapped).
+    /// Joint angles on the motor's side, rad (unwrapped).
     pub fn q(&self) -> &[f64] {
-        &self.q
+        &self.motor.q
     }
 
-    /// Joint velocities, rad/s.
+    /// Joint velocities on the motor's side, rad/s.
     pub fn v(&self) -> &[f64] {
-        &self.v
+        &self.motor.v
+    }
+
+    /// Angle, velocity and acceleration (as [`Plant::a`]) of the links: those of the motors where
+    /// the transmission is rigid.
+    pub fn link_motion(&self) -> [&[f64]; 3] {
+        [&self.link.q, &self.link.v, &self.link.a]
     }
 
     /// Acceleration in the last step, (v_{k+1} - v_k)/h, rad/s^2: with the position and torque
     /// from before that step and [`Plant::v_mid`] it satisfies the equation of motion.
     pub fn a(&self) -> &[f64] {
-        &self.a
+        &self.motor.a
     }
 
     /// (v_k + v_{k+1})/2 of the last step, rad/s: the central difference of the position.
@@ -115,19 +178,39 @@ impl Plant {
         &self.v_mid
     }
 
-    /// Puts the arm at `q` (rad) moving at `v` (rad/s).
+    /// Puts the motors at `q` (rad) moving at `v` (rad/s); transmissions are wound up by gravity.
     pub fn set_state(&mut self, q: &[f64], v: &[f64]) {
-        let move_by: Vec<f64> = q.iter().zip(&self.q).map(|(to, from)| to - from).collect();
+        let (coordinates, velocities) = self.generalised(q, v);
+        let from = self.coordinates.iter();
+        let move_by: Vec<f64> = coordinates.iter().zip(from).map(|(to, from)| to - from).collect();
         let PhysicsWorld { bodies, multibody_joints, .. } = &mut self.world;
         if let Some(arm) = multibody_joints.get_multibody_mut(self.arm) {
             arm.apply_displacements(&move_by);
-            arm.generalized_velocity_mut().copy_from_slice(v);
+            arm.generalized_velocity_mut().copy_from_slice(&velocities);
             arm.forward_kinematics(bodies, false);
             arm.update_rigid_bodies(bodies, true);
         }
         self.read_state();
-        self.a.fill(0.0);
+        self.motor.a.fill(0.0);
+        self.link.a.fill(0.0);
         self.v_mid.copy_from_slice(v);
+    }
+
+    /// Coordinates and velocities of all degrees of freedom.
+    fn generalised(&mut self, q: &[f64], v: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let mut carried = vec![0.0; q.len()];
+        gravity_torque(&self.robot, &mut Workspace::new(&self.robot), q, &mut carried);
+        let mut coordinates = vec![0.0; self.links.len()];
+        let mut velocities = coordinates.clone();
+        for (j, joint) in self.joints.iter_mut().enumerate() {
+            coordinates[joint.motor] = q[j];
+            velocities[joint.motor] = v[j];
+            if let Some(wound) = &mut joint.wound {
+                coordinates[wound.dof] = -wound.transmission.wind_up(carried[j]);
+                wound.z = 0.0;
+            }
+        }
+        (coordinates, velocities)
     }
 
     /// Advances by one step under motor torques `tau` (N.m) against `loads`, both per joint.
@@ -140,23 +223,27 @@ impl Plant {
 
     fn apply_loads(&mut self, loads: &[JointLoad]) {
         if let Some(arm) = self.world.multibody_joints.get_multibody_mut(self.arm) {
-            for (level, load) in arm.frictions_mut().iter_mut().zip(loads) {
-                *level = load.dry.max(0.0);
-            }
-            for (damping, load) in arm.damping_mut().iter_mut().zip(loads) {
-                *damping = 0.5 * load.damping;
+            for (joint, load) in self.joints.iter().zip(loads) {
+                arm.frictions_mut()[joint.motor] = load.dry.max(0.0);
+                arm.damping_mut()[joint.motor] = 0.5 * load.damping;
             }
         }
     }
 
     /// rapier takes torques on bodies: the motor's acts on its body and back on the parent.
     fn apply_torques(&mut self, tau: &[f64], loads: &[JointLoad]) {
+        let mut net = vec![0.0; self.links.len()];
+        for (j, joint) in self.joints.iter_mut().enumerate() {
+            net[joint.motor] = tau[j] - loads[j].torque - 0.5 * loads[j].damping * self.motor.v[j];
+            if let Some(wound) = &mut joint.wound {
+                net[wound.dof] = wound.torque(&self.coordinates, &self.velocities, self.step_s);
+            }
+        }
         let bodies = &mut self.world.bodies;
         for link in &self.links {
             bodies[link.body].reset_torques(false);
         }
-        for (i, link) in self.links.iter().enumerate() {
-            let net = tau[i] - loads[i].torque - 0.5 * loads[i].damping * self.v[i];
+        for (link, net) in self.links.iter().zip(net) {
             let torque = (*bodies[link.body].rotation() * link.axis) * net;
             bodies[link.body].add_torque(torque, false);
             if link.parent != self.base {
@@ -167,14 +254,21 @@ impl Plant {
 
     fn read_state(&mut self) {
         if let Some(arm) = self.world.multibody_joints.get_multibody(self.arm) {
-            for (i, v_next) in arm.generalized_velocity().iter().enumerate() {
-                self.a[i] = (v_next - self.v[i]) / self.step_s;
-                self.v_mid[i] = 0.5 * (v_next + self.v[i]);
-                self.v[i] = *v_next;
+            for (v, v_next) in self.velocities.iter_mut().zip(arm.generalized_velocity().iter()) {
+                *v = *v_next;
             }
-            for (q, link) in self.q.iter_mut().zip(arm.links().skip(1)) {
+            for (q, link) in self.coordinates.iter_mut().zip(arm.links().skip(1)) {
                 *q = link.joint.coords()[3];
             }
+        }
+        for (j, joint) in self.joints.iter().enumerate() {
+            let (q, v) = (self.coordinates[joint.motor], self.velocities[joint.motor]);
+            self.v_mid[j] = 0.5 * (v + self.motor.v[j]);
+            self.motor.advance(j, q, v, self.step_s);
+            let wound = joint.wound.as_ref();
+            let (dq, dv) =
+                wound.map_or((0.0, 0.0), |w| (self.coordinates[w.dof], self.velocities[w.dof]));
+            self.link.advance(j, q + dq, v + dv, self.step_s);
         }
     }
 
@@ -188,10 +282,49 @@ impl Plant {
             arm.forward_kinematics(bodies, true);
             arm.update_rigid_bodies(bodies, true);
             arm.damping_mut().fill(0.0);
-            arm.armature_mut().copy_from_slice(armature);
+            for (joint, armature) in self.joints.iter().zip(armature) {
+                arm.armature_mut()[joint.motor] = *armature;
+            }
             debug_assert!(assembled_in_order(arm));
         }
     }
+}
+
+impl Side {
+    fn still(dof: usize) -> Self {
+        Self { q: vec![0.0; dof], v: vec![0.0; dof], a: vec![0.0; dof] }
+    }
+
+    fn advance(&mut self, j: usize, q: f64, v: f64, step_s: f64) {
+        self.a[j] = (v - self.v[j]) / step_s;
+        (self.q[j], self.v[j]) = (q, v);
+    }
+}
+
+impl Jointed {
+    /// The degree of freedom whose body is the link.
+    fn link(&self) -> usize {
+        self.wound.as_ref().map_or(self.motor, |w| w.dof)
+    }
+}
+
+impl Wound {
+    /// On the link from the motor, N.m; moves the hysteresis on by a step.
+    fn torque(&mut self, coordinates: &[f64], velocities: &[f64], step_s: f64) -> f64 {
+        let (wind_up, rate) = (-coordinates[self.dof], -velocities[self.dof]);
+        let t = &self.transmission;
+        if t.hysteresis > 0.0 {
+            self.z = dahl(self.z, rate * step_s, t.hysteresis_width);
+        }
+        t.torque(wind_up, rate) + t.hysteresis * self.z
+    }
+}
+
+/// The motor: turns about the link's axis, next to massless beside its armature.
+fn rotor_of(link: &Body) -> Body {
+    let about_com = Matrix3::identity() * 1e-6;
+    let inertia = Inertia { mass: 1e-4, com: Vector3::zeros(), about_com };
+    Body { inertia, ..link.clone() }
 }
 
 /// Generalised coordinates in the order of the bodies, as the rest of this file assumes.
@@ -206,6 +339,13 @@ fn check(mechanism: &Mechanism, step_s: f64) -> Result<(), PlantError> {
     let (bodies, armatures) = (mechanism.robot.dof(), mechanism.armature.len());
     if bodies != armatures {
         return Err(PlantError::Armature { bodies, armatures });
+    }
+    let weak = |(t, &armature): (&Option<Transmission>, &f64)| {
+        t.is_some_and(|t| t.stiffness <= 0.0 || armature <= 0.0)
+    };
+    let mut drives = mechanism.transmission.iter().zip(&mechanism.armature);
+    if let Some(joint) = drives.position(weak) {
+        return Err(PlantError::Transmission(joint + 1));
     }
     match mechanism.robot.bodies.iter().find(|b| b.inertia.mass <= 0.0) {
         Some(body) => Err(PlantError::Mass(body.name.clone())),

@@ -6,14 +6,17 @@
 //! is recorded, and friction acts according to it (extrapolated by the last acceleration). Position,
 //! velocity, acceleration and torque of a row are thus centred on one instant: nothing lags.
 
+use std::collections::VecDeque;
+
 use super::sensors::{self, Stream, stream};
 use super::setup::{Clock, Setup};
 use super::{
     Command, ComputedTorque, Feedback, Injections, Noise, Plant, PlantError, Quantisation, Target,
+    Thermal,
 };
-use crate::effects::{JointLoad, JointState, Mechanism};
+use crate::effects::{ArmState, Channels, JointLoad, Mechanism};
 use crate::recording::{Channel, Provenance, Recording};
-use crate::robot::{Drive, Robot, Workspace, inverse_dynamics};
+use crate::robot::{Drive, Workspace, inverse_dynamics};
 use crate::series::JointSeries;
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -35,11 +38,12 @@ pub struct Simulation {
     drive: Drive,
     noise: Noise,
     quantisation: Quantisation,
+    thermal: Thermal,
     clock: Clock,
     plant: Plant,
     controller: ComputedTorque,
     /// The arm as it is, with everything the effects changed.
-    robot: Robot,
+    mechanism: Mechanism,
     workspace: Workspace,
     effects: Injections,
     /// The same effects, as the controller's friction feed-forward evaluates them.
@@ -49,13 +53,16 @@ pub struct Simulation {
 
 /// One instant, all joints.
 struct Buffers {
-    states: Vec<JointState>,
     loads: Vec<JointLoad>,
-    foreseen_states: Vec<JointState>,
     foreseen_loads: Vec<JointLoad>,
+    /// Velocity at the instant of the position.
+    qd: Vec<f64>,
+    temperature: Vec<f64>,
     target: Target,
     seen_q: Vec<f64>,
     seen_qd: Vec<f64>,
+    /// Asked for by the controller, not yet given; the oldest first.
+    waiting: VecDeque<Vec<f64>>,
     tau: Vec<f64>,
     transmitted: Vec<f64>,
 }
@@ -80,29 +87,38 @@ pub struct Exact {
     pub qdd: JointSeries,
     /// Motor torque at the joint, N.m.
     pub tau: JointSeries,
+    /// deg C
+    pub temperature: JointSeries,
 }
+
+/// Longest step that keeps an elastic transmission accurate, s (docs/accuracy.md).
+const ELASTIC_STEP_S: f64 = 1e-4;
 
 impl Simulation {
     /// # Errors
     /// If rapier cannot represent the arm.
     pub fn new(setup: &Setup) -> Result<Self, SimulationError> {
         let nominal =
-            Mechanism { robot: setup.robot.clone(), armature: setup.drive.rotor_inertia.clone() };
+            Mechanism::with_armature(setup.robot.clone(), setup.drive.rotor_inertia.clone());
         let effects = Injections::new(&setup.effects);
         let mut mechanism = nominal.clone();
         effects.build(&mut mechanism);
+        let rigid = mechanism.transmission.iter().all(Option::is_none);
+        let clock = setup.clock.refined(if rigid { f64::INFINITY } else { ELASTIC_STEP_S });
+        let controller = setup.controller.changed(&mechanism.control);
         Ok(Self {
             drive: setup.drive.clone(),
             noise: setup.noise,
             quantisation: setup.quantisation,
-            clock: setup.clock,
-            plant: Plant::new(&mechanism, setup.clock.step_s)?,
-            controller: ComputedTorque::new(&nominal, setup.controller.clone()),
+            thermal: setup.thermal,
+            clock,
+            plant: Plant::new(&mechanism, clock.step_s)?,
+            controller: ComputedTorque::new(&nominal, controller),
             workspace: Workspace::new(&mechanism.robot),
             foreseen: effects.clone(),
             effects,
             now: Buffers::new(mechanism.robot.dof()),
-            robot: mechanism.robot,
+            mechanism,
         })
     }
 
@@ -136,6 +152,7 @@ impl Simulation {
                 }
                 exact.q.set_sample(i, self.plant.q());
                 exact.tau.set_sample(i, &self.now.tau);
+                exact.temperature.set_sample(i, &self.now.temperature);
             }
             self.step(time);
             if let Some(i) = sample {
@@ -149,8 +166,12 @@ impl Simulation {
     fn start(&mut self, command: &dyn Command) {
         self.now.target.aim(command, 0.0);
         let still = vec![0.0; self.plant.dof()];
-        self.plant.set_state(&self.now.target.q, &still);
+        let shown = self.now.target.q.iter().zip(&self.mechanism.encoder_zero);
+        let q: Vec<f64> = shown.map(|(q, zero)| q - zero).collect();
+        self.plant.set_state(&q, &still);
         self.now.transmitted.fill(0.0);
+        self.now.temperature.fill(self.thermal.start_c);
+        self.now.waiting.clear();
         self.effects.forget();
         self.foreseen.forget();
     }
@@ -159,12 +180,19 @@ impl Simulation {
     fn control(&mut self, time: f64, noise: &mut rand_chacha::ChaCha8Rng) {
         let now = &mut self.now;
         let hold_s = self.clock.step_s * self.clock.steps_per_hold as f64;
-        for (j, state) in now.foreseen_states.iter_mut().enumerate() {
-            let (q, qd, transmitted) = (now.target.q[j], now.target.qd[j], now.transmitted[j]);
-            *state = JointState { time, dt: hold_s, q, qd, transmitted };
+        let foreseen = ArmState {
+            robot: &self.mechanism.robot,
+            time,
+            dt: hold_s,
+            q: &now.target.q,
+            qd: &now.target.qd,
+            transmitted: &now.transmitted,
+            temperature: &now.temperature,
+        };
+        self.foreseen.loads(&foreseen, &mut now.foreseen_loads);
+        for (j, seen) in now.seen_q.iter_mut().enumerate() {
+            *seen = self.plant.q()[j] + self.mechanism.encoder_zero[j];
         }
-        self.foreseen.loads(&now.foreseen_states, &mut now.foreseen_loads);
-        now.seen_q.copy_from_slice(self.plant.q());
         now.seen_qd.copy_from_slice(self.plant.v());
         if self.controller.settings().feedback == Feedback::Sensors {
             let (n, step) = (&self.noise, &self.quantisation);
@@ -173,10 +201,16 @@ impl Simulation {
                 *qd = sensors::measured(*qd, n.velocity_rad_s, step.velocity_rad_s, noise);
             }
         }
-        let Buffers { target, seen_q, seen_qd, foreseen_loads, tau, .. } = now;
-        self.controller.torque(target, seen_q, seen_qd, foreseen_loads, tau);
-        for (j, tau) in tau.iter_mut().enumerate() {
-            *tau = self.drive.limited(j, *tau);
+        let Buffers { target, seen_q, seen_qd, foreseen_loads, waiting, tau, .. } = now;
+        let mut asked = vec![0.0; tau.len()];
+        self.controller.torque(target, seen_q, seen_qd, foreseen_loads, &mut asked);
+        waiting.push_back(asked);
+        let holds = (self.mechanism.control.delay / hold_s).round() as usize;
+        let due =
+            if waiting.len() > holds { waiting.pop_front() } else { waiting.front().cloned() };
+        let Mechanism { torque_gain, torque_limit: limit, .. } = &self.mechanism;
+        for (j, (tau, asked)) in tau.iter_mut().zip(due.unwrap_or_default()).enumerate() {
+            *tau = (self.drive.limited(j, asked) / torque_gain[j]).clamp(-limit[j], limit[j]);
         }
     }
 
@@ -184,19 +218,24 @@ impl Simulation {
     fn step(&mut self, time: f64) {
         let now = &mut self.now;
         let half_step = 0.5 * self.clock.step_s;
-        for (j, state) in now.states.iter_mut().enumerate() {
-            *state = JointState {
-                time,
-                dt: self.clock.step_s,
-                q: self.plant.q()[j],
-                qd: self.plant.v()[j] + half_step * self.plant.a()[j],
-                transmitted: now.transmitted[j],
-            };
+        for (j, qd) in now.qd.iter_mut().enumerate() {
+            *qd = self.plant.v()[j] + half_step * self.plant.a()[j];
         }
-        self.effects.loads(&now.states, &mut now.loads);
+        let robot = &self.mechanism.robot;
+        let state = ArmState {
+            robot,
+            time,
+            dt: self.clock.step_s,
+            q: self.plant.q(),
+            qd: &now.qd,
+            transmitted: &now.transmitted,
+            temperature: &now.temperature,
+        };
+        self.effects.loads(&state, &mut now.loads);
+        self.thermal.advance(&mut now.temperature, &now.loads, &now.qd, self.clock.step_s);
         self.plant.step(&now.tau, &now.loads);
-        let (q, v, a) = (self.plant.q(), self.plant.v(), self.plant.a());
-        inverse_dynamics(&self.robot, &mut self.workspace, q, v, a, &mut now.transmitted);
+        let [q, v, a] = self.plant.link_motion();
+        inverse_dynamics(robot, &mut self.workspace, q, v, a, &mut now.transmitted);
     }
 
     fn check_finite(&self, time_s: f64) -> Result<(), SimulationError> {
@@ -222,26 +261,75 @@ impl Simulation {
             },
         };
         self.record_target(command, &mut recording);
-        let current = sensors::current(&self.drive, &exact.tau);
+        let current = self.shown_current(&exact.tau);
         let current_noise_a = sensors::sigma_of_snr(&current, self.noise.snr_db);
         let everywhere = |sigma: f64| vec![sigma; self.plant.dof()];
-        let (noise, step) = (&self.noise, &self.quantisation);
-        for (name, which, series, sigma, step) in [
-            ("q", Stream::Position, &exact.q, &everywhere(noise.position_rad), step.position_rad),
-            (
-                "qd",
-                Stream::Velocity,
-                &exact.qd,
-                &everywhere(noise.velocity_rad_s),
-                step.velocity_rad_s,
-            ),
-            ("current", Stream::Current, &current, &current_noise_a, step.current_a),
+        let noisy = |which, series: &JointSeries, sigma: &[f64]| {
+            sensors::noisy(series, sigma, &mut stream(seed, number, which))
+        };
+        let Noise { position_rad, velocity_rad_s, .. } = self.noise;
+        let [q, qd, current] = self.effects_measure(
+            interval,
+            &exact,
+            [
+                noisy(Stream::Position, &self.shown_q(&exact.q), &everywhere(position_rad)),
+                noisy(Stream::Velocity, &exact.qd, &everywhere(velocity_rad_s)),
+                noisy(Stream::Current, &current, &current_noise_a),
+            ],
+        );
+        let step = &self.quantisation;
+        for (name, series, step) in [
+            ("q", q, step.position_rad),
+            ("qd", qd, step.velocity_rad_s),
+            ("current", current, step.current_a),
         ] {
-            let mut rng = stream(seed, number, which);
-            let seen = sensors::measured_series(series, sigma, step, &mut rng);
-            put(&mut recording, &format!("actual_{name}"), &seen);
+            put(&mut recording, &format!("actual_{name}"), &sensors::rounded(&series, step));
         }
+        put(&mut recording, "joint_temperatures", &exact.temperature);
         Run { recording, exact, current_noise_a }
+    }
+
+    /// Positions (rad) as the encoders show them.
+    fn shown_q(&self, q: &JointSeries) -> JointSeries {
+        let zero = &self.mechanism.encoder_zero;
+        q.map_joints(|j, q| q.iter().map(|q| q + zero[j]).collect())
+    }
+
+    /// Motor current (A) of the motor torque (N.m).
+    fn shown_current(&self, tau: &JointSeries) -> JointSeries {
+        let gain = &self.mechanism.torque_gain;
+        let shown = tau.map_joints(|j, tau| tau.iter().map(|tau| gain[j] * tau).collect());
+        sensors::current(&self.drive, &shown)
+    }
+
+    /// What effects make of the recorded q, qd and current.
+    fn effects_measure(
+        &self,
+        dt: f64,
+        exact: &Exact,
+        recorded: [JointSeries; 3],
+    ) -> [JointSeries; 3] {
+        let [mut q, mut qd, mut current] = recorded;
+        for j in 0..q.joints() {
+            let ampere = self.drive.torque_per_ampere(j);
+            let mut channels = Channels {
+                dt,
+                q: q.joint(j).to_vec(),
+                qd: qd.joint(j).to_vec(),
+                qdd: exact.qdd.joint(j).to_vec(),
+                torque: current.joint(j).iter().map(|i| i * ampere).collect(),
+                velocity_is_recorded: true,
+            };
+            let before = channels.torque.clone();
+            self.effects.measure(j, &mut channels);
+            q.joint_mut(j).copy_from_slice(&channels.q);
+            qd.joint_mut(j).copy_from_slice(&channels.qd);
+            if channels.torque != before {
+                let out = current.joint_mut(j).iter_mut();
+                out.zip(&channels.torque).for_each(|(i, torque)| *i = torque / ampere);
+            }
+        }
+        [q, qd, current]
     }
 
     fn record_target(&mut self, command: &dyn Command, recording: &mut Recording) {
@@ -277,7 +365,13 @@ fn put(recording: &mut Recording, stem: &str, series: &JointSeries) {
 impl Exact {
     fn zeros(dof: usize, samples: usize) -> Self {
         let zeros = JointSeries::zeros(dof, samples);
-        Self { q: zeros.clone(), qd: zeros.clone(), qdd: zeros.clone(), tau: zeros }
+        Self {
+            q: zeros.clone(),
+            qd: zeros.clone(),
+            qdd: zeros.clone(),
+            tau: zeros.clone(),
+            temperature: zeros,
+        }
     }
 }
 
@@ -285,13 +379,14 @@ impl Buffers {
     fn new(dof: usize) -> Self {
         let zeros = vec![0.0; dof];
         Self {
-            states: vec![JointState::default(); dof],
             loads: vec![JointLoad::default(); dof],
-            foreseen_states: vec![JointState::default(); dof],
             foreseen_loads: vec![JointLoad::default(); dof],
+            qd: zeros.clone(),
+            temperature: zeros.clone(),
             target: Target::still(dof),
             seen_q: zeros.clone(),
             seen_qd: zeros.clone(),
+            waiting: VecDeque::new(),
             tau: zeros.clone(),
             transmitted: zeros,
         }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::inject::injections;
 use super::setup::{Clock, Setup};
-use super::{ControllerSettings, Noise, Quantisation};
+use super::{ControllerSettings, Noise, Quantisation, Thermal};
 use crate::motion::{Settings, Trajectory};
 use crate::twin::{DriveTable, PerJoint, read_robot};
 
@@ -30,6 +30,8 @@ pub struct Scenario {
     pub controller: ControllerSettings,
     pub noise: Noise,
     pub quantisation: Quantisation,
+    /// How the joints warm up.
+    pub thermal: Thermal,
     /// Names of effects whose values may leave the catalogue's range, on purpose.
     pub beyond_range: Vec<String>,
     /// By name of the catalogue, each with its parameters and, if not all, the `joints` (from 1).
@@ -49,6 +51,7 @@ impl Default for Scenario {
             controller: ControllerSettings::default(),
             noise: Noise::default(),
             quantisation: Quantisation::default(),
+            thermal: Thermal::default(),
             beyond_range: Vec::new(),
             effects: BTreeMap::new(),
         }
@@ -111,15 +114,23 @@ impl Scenario {
         self.noise.check()?;
         self.quantisation.check()?;
         self.controller.check()?;
+        self.thermal.check()?;
         let clock = Clock::new(self.step_s, self.controller.rate_hz, self.rate_hz);
         let clock = clock.map_err(|e| e.to_string())?;
         let effects = injections(&self.effects, &self.beyond_range, robot.dof())?;
         let fit = self.motion.trajectory(&robot).map_err(|e| e.to_string())?;
         let check_motion = self.check_motion()?;
         let check = check_motion.trajectory(&robot).map_err(|e| format!("in [check], {e}"))?;
-        let (controller, noise, quantisation) =
-            (self.controller.clone(), self.noise, self.quantisation);
-        let setup = Setup { robot, drive, effects, controller, noise, quantisation, clock };
+        let setup = Setup {
+            robot,
+            drive,
+            effects,
+            controller: self.controller.clone(),
+            noise: self.noise,
+            quantisation: self.quantisation,
+            thermal: self.thermal,
+            clock,
+        };
         Ok(Experiment { setup, seed: self.seed, fit, check, check_motion })
     }
 

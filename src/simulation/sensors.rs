@@ -79,14 +79,14 @@ fn quantised(x: f64, step: f64) -> f64 {
     if step > 0.0 { (x / step).round() * step } else { x }
 }
 
-/// A whole channel as a sensor shows it; `sigma` per joint.
-pub(super) fn measured_series(
-    exact: &JointSeries,
-    sigma: &[f64],
-    step: f64,
-    rng: &mut ChaCha8Rng,
-) -> JointSeries {
-    exact.map_joints(|j, x| x.iter().map(|&x| measured(x, sigma[j], step, rng)).collect())
+/// A whole channel with noise; `sigma` per joint.
+pub(super) fn noisy(exact: &JointSeries, sigma: &[f64], rng: &mut ChaCha8Rng) -> JointSeries {
+    exact.map_joints(|j, x| x.iter().map(|&x| measured(x, sigma[j], 0.0, rng)).collect())
+}
+
+/// A whole channel rounded to multiples of `step`.
+pub(super) fn rounded(series: &JointSeries, step: f64) -> JointSeries {
+    series.map_joints(|_, x| x.iter().map(|&x| quantised(x, step)).collect())
 }
 
 /// Motor current (A) of the motor torque at the joint (N.m): the torque that turns the link,

@@ -1,6 +1,6 @@
 //! Everything a simulation needs, checked: what a scenario comes down to.
 
-use super::{ControllerSettings, Injection, Noise, Quantisation};
+use super::{ControllerSettings, Injection, Noise, Quantisation, Thermal};
 use crate::robot::{Drive, Robot};
 
 /// An arm, what is hidden in it, who drives it and what is recorded.
@@ -13,6 +13,7 @@ pub struct Setup {
     pub controller: ControllerSettings,
     pub noise: Noise,
     pub quantisation: Quantisation,
+    pub thermal: Thermal,
     pub clock: Clock,
 }
 
@@ -53,6 +54,16 @@ impl Clock {
         let steps_per_hold = multiple("controller.rate_hz", controller_hz, 1.0 / step_s)?;
         let holds_per_sample = multiple("rate_hz", recording_hz, controller_hz)?;
         Ok(Self { step_s, steps_per_hold, steps_per_sample: holds_per_sample * steps_per_hold })
+    }
+
+    /// With steps of at most `longest_s`, a whole part of this clock's; rates stay.
+    pub(super) fn refined(&self, longest_s: f64) -> Self {
+        let parts = (self.step_s / longest_s - 1e-9).ceil().max(1.0) as usize;
+        Self {
+            step_s: self.step_s / parts as f64,
+            steps_per_hold: self.steps_per_hold * parts,
+            steps_per_sample: self.steps_per_sample * parts,
+        }
     }
 
     /// Does the controller set a new torque at step `k`? The samples lie in the middle of a hold.

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use super::{ControllerSettings, Experiment, Injection, Noise, Quantisation, Run, Scenario};
+use super::{
+    ControllerSettings, Experiment, Injection, Noise, Quantisation, Run, Scenario, Thermal,
+};
 use crate::effects::{Parameter, Scope};
 use crate::motion::Settings;
 use crate::robot::Drive;
@@ -24,6 +26,7 @@ pub struct Truth<'a> {
     pub controller: &'a ControllerSettings,
     pub noise: &'a Noise,
     pub quantisation: &'a Quantisation,
+    pub thermal: &'a Thermal,
     pub recordings: Vec<Recorded<'a>>,
     /// As read, defaults filled in.
     pub scenario: &'a Scenario,
@@ -90,6 +93,7 @@ impl<'a> Truth<'a> {
             controller: &setup.controller,
             noise: &setup.noise,
             quantisation: &setup.quantisation,
+            thermal: &setup.thermal,
             recordings: vec![
                 recorded("fit.csv", &scenario.motion, fit),
                 recorded("check.csv", &made.check_motion, check),
@@ -123,7 +127,7 @@ fn hidden(injection: &Injection) -> Hidden {
     Hidden {
         effect: about.name,
         joints: match about.scope {
-            Scope::Joint => injection.joints.iter().map(|j| j + 1).collect(),
+            Scope::Joint | Scope::Link => injection.joints.iter().map(|j| j + 1).collect(),
             Scope::Arm => Vec::new(),
         },
         parameters: about.parameters.iter().enumerate().map(value).collect(),

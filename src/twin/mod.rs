@@ -3,6 +3,7 @@
 //! Its torque, N.m, is what a drive must supply according to what the twin knows:
 //! tau = ID(q, qd, qdd) + Ja qdd + sum of the effects whose values are known.
 
+mod correct;
 mod file;
 mod parts;
 
@@ -14,7 +15,7 @@ pub use parts::{DriveTable, PerJoint, read_robot};
 
 use std::collections::BTreeMap;
 
-use crate::effects::{Effect, Mechanism, Motion, Role, Scope, find};
+use crate::effects::{CATALOGUE, Effect, Mechanism, Motion, Role, Scope, find};
 use crate::robot::{Drive, Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
 
@@ -53,33 +54,66 @@ impl Twin {
     /// What the drive must supply along a motion of `self.robot`, N.m.
     pub fn torque(&self, motion: &Motion<'_>) -> JointSeries {
         let mut tau = inverse_dynamics_series(&self.robot, motion.q, motion.qd, motion.qdd);
+        if !self.values.contains_key("rotor_inertia") {
+            for (joint, &inertia) in self.drive.rotor_inertia.iter().enumerate() {
+                add_scaled(tau.joint_mut(joint), inertia, motion.qdd.joint(joint));
+            }
+        }
         let laden = self.laden();
-        for joint in 0..self.robot.dof() {
-            let out = tau.joint_mut(joint);
-            if !self.values.contains_key("rotor_inertia") {
-                add_scaled(out, self.drive.rotor_inertia[joint], motion.qdd.joint(joint));
-            }
-            for effect in self.known() {
-                let Some(values) = self.values_at(effect, joint) else { continue };
-                let robot = match effect.about().scope {
-                    Scope::Arm => &self.robot,
-                    Scope::Joint => &laden,
-                };
-                add_effect(out, effect, &values, &Motion { robot, ..*motion }, joint);
-            }
+        // In the order of the catalogue: what scales the drive's torque comes after what makes it.
+        for effect in CATALOGUE.iter().copied().filter(|e| self.knows_of(*e)) {
+            let robot = match effect.about().scope {
+                Scope::Arm | Scope::Link => &self.robot,
+                Scope::Joint => &laden,
+            };
+            let known = tau.clone();
+            self.add(effect, &Motion { robot, known: Some(&known), ..*motion }, &mut tau);
         }
         tau
     }
 
-    /// The robot with what is known about the whole arm built in: its gears carry the payload, too.
-    fn laden(&self) -> Robot {
+    /// Adds the torque of an effect whose values are known.
+    fn add(&self, effect: &dyn Effect, motion: &Motion<'_>, tau: &mut JointSeries) {
+        let parameters = effect.about().parameters;
+        let linear = parameters.iter().filter(|p| p.role == Role::Linear).count();
+        for joint in 0..self.robot.dof() {
+            let Some(values) = self.values_at(effect, joint) else { continue };
+            let (linear, nonlinear) = values.split_at(linear);
+            if linear.iter().all(|v| *v == 0.0) {
+                continue;
+            }
+            if effect.about().scope != Scope::Link {
+                let columns = effect.columns(motion, joint, nonlinear);
+                add_columns(tau, joint, linear, columns.iter().map(Vec::as_slice));
+                continue;
+            }
+            let reach = effect.reach(motion, joint, nonlinear);
+            for at in 0..self.robot.dof() {
+                add_columns(tau, at, linear, reach.iter().map(|series| series.joint(at)));
+            }
+        }
+    }
+
+    /// The robot with the links and loads that are known built in: what its gears carry.
+    pub fn laden(&self) -> Robot {
         let mut mechanism = Mechanism::new(self.robot.clone());
-        for effect in self.known().filter(|e| e.about().scope == Scope::Arm) {
-            if let Some(values) = self.values_at(effect, 0) {
-                effect.build(&values, 0, &mut mechanism);
+        for effect in self.known() {
+            let joints = match effect.about().scope {
+                Scope::Joint => continue,
+                Scope::Link => self.robot.dof(),
+                Scope::Arm => 1,
+            };
+            for joint in 0..joints {
+                if let Some(values) = self.values_at(effect, joint) {
+                    effect.build(&values, joint, &mut mechanism);
+                }
             }
         }
         mechanism.robot
+    }
+
+    fn knows_of(&self, effect: &dyn Effect) -> bool {
+        self.effects.iter().any(|name| name == effect.about().name) && self.knows(effect)
     }
 
     fn catalogued(&self) -> impl Iterator<Item = &'static dyn Effect> {
@@ -105,18 +139,14 @@ impl Default for Twin {
     }
 }
 
-fn add_effect(
-    out: &mut [f64],
-    effect: &dyn Effect,
-    values: &[f64],
-    motion: &Motion<'_>,
+fn add_columns<'a>(
+    tau: &mut JointSeries,
     joint: usize,
+    values: &[f64],
+    columns: impl Iterator<Item = &'a [f64]>,
 ) {
-    let parameters = effect.about().parameters;
-    let linear = parameters.iter().filter(|p| p.role == Role::Linear).count();
-    let columns = effect.columns(motion, joint, &values[linear..]);
-    for (column, &value) in columns.iter().zip(values) {
-        add_scaled(out, value, column);
+    for (column, &value) in columns.zip(values) {
+        add_scaled(tau.joint_mut(joint), value, column);
     }
 }
 

@@ -9,7 +9,7 @@ use crate::recording::Recording;
 use crate::series::JointSeries;
 use crate::signals::{LowPass, Samples, UniformGrid};
 use crate::simulation::{
-    Clock, ControllerSettings, Injection, Noise, Quantisation, Setup, Simulation,
+    Clock, ControllerSettings, Injection, Noise, Quantisation, Setup, Simulation, Thermal,
 };
 use crate::twin::Twin;
 use crate::viewer::Motion;
@@ -53,6 +53,7 @@ pub fn replay(
         controller: controller.clone(),
         noise: Noise::default(),
         quantisation: Quantisation::default(),
+        thermal: Thermal::default(),
         clock: Clock::new(STEP_S, controller.rate_hz, KEPT_HZ)?,
     })?;
     let bar = progress(along.end());

@@ -50,7 +50,8 @@ const STRIBECK_RAD_S: f64 = 0.05;
 impl Bench {
     /// A UR5-class arm of six joints, which gets rotor inertia.
     pub fn new(robot: Robot, friction: Friction) -> Self {
-        Self { mechanism: Mechanism { robot, armature: ROTOR_INERTIA.to_vec() }, friction }
+        let mechanism = Mechanism::with_armature(robot, ROTOR_INERTIA.to_vec());
+        Self { mechanism, friction }
     }
 
     pub fn load(&self, joint: usize, v: f64) -> JointLoad {

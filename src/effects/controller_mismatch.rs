@@ -1,0 +1,78 @@
+//! A controller that is not the one assumed: factors on bandwidth, damping, feed-forward; delay.
+//!
+//! Inverse dynamics of the recorded motion does not know the controller.
+
+use super::{About, Effect, Mechanism, Parameter, Role, Scope, Seen};
+
+pub struct ControllerMismatch;
+
+static ABOUT: About = About {
+    name: "controller_mismatch",
+    law: "tau asked = that of a controller with other gains, d later",
+    scope: Scope::Arm,
+    parameters: &[
+        Parameter {
+            name: "controller_bandwidth",
+            symbol: "fw",
+            unit: "-",
+            min: 0.2,
+            max: 3.0,
+            typical: 0.6,
+            null: 1.0,
+            role: Role::Nonlinear,
+        },
+        Parameter {
+            name: "controller_damping",
+            symbol: "fd",
+            unit: "-",
+            min: 0.2,
+            max: 3.0,
+            typical: 0.8,
+            null: 1.0,
+            role: Role::Nonlinear,
+        },
+        Parameter {
+            name: "controller_feedforward",
+            symbol: "ff",
+            unit: "-",
+            min: 0.0,
+            max: 2.0,
+            typical: 0.5,
+            null: 1.0,
+            role: Role::Nonlinear,
+        },
+        Parameter {
+            name: "controller_delay",
+            symbol: "d",
+            unit: "s",
+            min: 0.0,
+            max: 0.02,
+            typical: 0.004,
+            null: 0.0,
+            role: Role::Nonlinear,
+        },
+    ],
+    memory: 0,
+    dissipates: false,
+    cause: "gains, cycle time and friction compensation of the robot are the maker's secret",
+    remedy: "identify the closed loop from command and motion, and give the simulated controller those gains",
+    source: "Siciliano et al., Robotics: Modelling, Planning and Control, 2009, section 8.5.2: computed torque",
+};
+
+impl Effect for ControllerMismatch {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn seen(&self) -> Seen {
+        Seen::Simulation
+    }
+
+    fn build(&self, values: &[f64], _: usize, mechanism: &mut Mechanism) {
+        let control = &mut mechanism.control;
+        control.bandwidth *= values[0];
+        control.damping *= values[1];
+        control.feedforward *= values[2];
+        control.delay += values[3];
+    }
+}

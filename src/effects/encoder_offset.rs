@@ -1,0 +1,62 @@
+//! An encoder that shows q + d where the joint is at q: tau = -d tau/dq d.
+//!
+//! The columns are linear in small offsets; felt by all joints.
+
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope};
+use crate::robot::inverse_dynamics_series;
+use crate::series::JointSeries;
+
+pub struct EncoderOffset;
+
+static ABOUT: About = About {
+    name: "encoder_offset",
+    law: "tau = ID(q - d) - ID(q), about -d ID/dq_j d",
+    scope: Scope::Link,
+    parameters: &[Parameter {
+        name: "encoder_offset",
+        symbol: "d",
+        unit: "rad",
+        min: -0.2,
+        max: 0.2,
+        typical: 0.01,
+        null: 0.0,
+        role: Role::Linear,
+    }],
+    memory: 0,
+    dissipates: false,
+    cause: "joint zero lost or never calibrated: after a collision, a repair, or an assembly by eye",
+    remedy: "calibrate the joint zeros, or subtract the offset from the recorded positions",
+    source: "Hollerbach, Khalil, Gautier, Model identification, Handbook of Robotics, 2nd ed., 2016, section 6.2: joint offsets",
+};
+
+impl Effect for EncoderOffset {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
+        let all = self.reach(motion, joint, nonlinear);
+        all.iter().map(|series| series.joint(joint).to_vec()).collect()
+    }
+
+    fn reach(&self, motion: &Motion<'_>, from: usize, _: &[f64]) -> Vec<JointSeries> {
+        let shifted = |by: f64| {
+            let mut q = motion.q.clone();
+            q.joint_mut(from).iter_mut().for_each(|q| *q += by);
+            inverse_dynamics_series(motion.robot, &q, motion.qd, motion.qdd)
+        };
+        let (above, mut slope) = (shifted(STEP_RAD), shifted(-STEP_RAD));
+        for j in 0..slope.joints() {
+            let both = slope.joint_mut(j).iter_mut().zip(above.joint(j));
+            both.for_each(|(below, above)| *below = (*below - above) / (2.0 * STEP_RAD));
+        }
+        vec![slope]
+    }
+
+    fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
+        mechanism.encoder_zero[joint] += values[0];
+    }
+}
+
+/// Of the central difference.
+const STEP_RAD: f64 = 1e-5;

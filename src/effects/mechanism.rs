@@ -1,0 +1,98 @@
+//! What effects change before the first step.
+
+use crate::robot::Robot;
+
+/// What a simulation is built from. Vectors have one entry per joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mechanism {
+    pub robot: Robot,
+    /// kg.m2 added to each joint's diagonal (reflected rotor inertia).
+    pub armature: Vec<f64>,
+    /// What the encoder shows where the joint is at zero, rad: controller and recording see it.
+    pub encoder_zero: Vec<f64>,
+    /// What the current shows, and the controller believes, per N.m the motor gives; 1 is right.
+    pub torque_gain: Vec<f64>,
+    /// Largest torque of the motor at the joint, N.m; infinite without limit.
+    pub torque_limit: Vec<f64>,
+    /// Between motor and link; `None` is rigid.
+    pub transmission: Vec<Option<Transmission>>,
+    pub control: ControlChange,
+}
+
+/// An elastic or slack transmission. The link hangs on the motor by the torque of the wind-up
+/// w = q_motor - q_link beyond half the gap, x = dead(w, gap/2):
+/// tau = K x + K3 x^3 + damping wd + hysteresis z(w), with z after Dahl.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Transmission {
+    /// K, N.m/rad
+    pub stiffness: f64,
+    /// K3, N.m/rad^3
+    pub hardening: f64,
+    /// N.m.s/rad, where the teeth touch
+    pub damping: f64,
+    /// Of the teeth, both directions together, rad.
+    pub gap: f64,
+    /// N.m
+    pub hysteresis: f64,
+    /// Wind-up over which the hysteresis saturates, rad.
+    pub hysteresis_width: f64,
+}
+
+impl Transmission {
+    /// tau of a wind-up (rad) that changes at `rate` (rad/s), without hysteresis, N.m.
+    pub fn torque(&self, wind_up: f64, rate: f64) -> f64 {
+        let half = 0.5 * self.gap;
+        let x = wind_up - wind_up.clamp(-half, half);
+        let touches = if x != 0.0 || self.gap == 0.0 { 1.0 } else { 0.0 };
+        self.stiffness * x + self.hardening * x * x * x + touches * self.damping * rate
+    }
+
+    /// The wind-up that holds `torque` (N.m) still, rad, by bisection of the increasing law.
+    pub fn wind_up(&self, torque: f64) -> f64 {
+        let (mut low, mut high) = (0.0, 0.5 * self.gap + torque.abs() / self.stiffness);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            let enough = self.torque(middle, 0.0) >= torque.abs();
+            *(if enough { &mut high } else { &mut low }) = middle;
+        }
+        high * torque.signum()
+    }
+}
+
+/// How the true controller differs from the one the twin assumes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ControlChange {
+    /// Factors on bandwidth, damping ratio and friction feed-forward.
+    pub bandwidth: f64,
+    pub damping: f64,
+    pub feedforward: f64,
+    /// Of the torque behind its computation, s.
+    pub delay: f64,
+}
+
+impl Default for ControlChange {
+    fn default() -> Self {
+        Self { bandwidth: 1.0, damping: 1.0, feedforward: 1.0, delay: 0.0 }
+    }
+}
+
+impl Mechanism {
+    /// The robot with ideal drives.
+    pub fn new(robot: Robot) -> Self {
+        let n = robot.dof();
+        Self {
+            robot,
+            armature: vec![0.0; n],
+            encoder_zero: vec![0.0; n],
+            torque_gain: vec![1.0; n],
+            torque_limit: vec![f64::INFINITY; n],
+            transmission: vec![None; n],
+            control: ControlChange::default(),
+        }
+    }
+
+    /// The robot with the rotor inertia of its drives, kg.m2.
+    pub fn with_armature(robot: Robot, armature: Vec<f64>) -> Self {
+        Self { armature, ..Self::new(robot) }
+    }
+}

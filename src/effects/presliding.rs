@@ -1,0 +1,56 @@
+//! Presliding after Dahl: tau = Fp z, friction that builds up over the distance since a reversal.
+//!
+//! In place of Coulomb friction, or of a part of it: where both are given, they add up.
+
+use super::hysteresis::{along, dahl};
+use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+
+pub struct Presliding;
+
+static ABOUT: About = About {
+    name: "presliding",
+    law: "tau = Fp z,  dz = dq (1 - z sign(dq)) / w",
+    scope: Scope::Joint,
+    parameters: &[
+        Parameter {
+            name: "presliding",
+            symbol: "Fp",
+            unit: "N.m",
+            min: 0.0,
+            max: 60.0,
+            typical: 5.0,
+            null: 0.0,
+            role: Role::Linear,
+        },
+        Parameter {
+            name: "presliding_width",
+            symbol: "w",
+            unit: "rad",
+            min: 1e-4,
+            max: 0.05,
+            typical: 0.002,
+            null: f64::NAN,
+            role: Role::Nonlinear,
+        },
+    ],
+    memory: 1,
+    dissipates: false,
+    cause: "asperities, seals and flexspline teeth bend before they slip",
+    remedy: "let the friction force follow a Dahl or LuGre state instead of the sign of the velocity",
+    source: "Dahl, Aerospace Corp. TOR-0158(3107-18), 1968; Armstrong-Helouvry et al., Automatica 30(7), 1994, section 2.1",
+};
+
+impl Effect for Presliding {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
+        vec![along(motion.q.joint(joint), |z, dq| dahl(z, dq, nonlinear[0]))]
+    }
+
+    fn act(&self, values: &[f64], state: &JointState<'_>, z: &mut [f64], load: &mut JointLoad) {
+        z[0] = dahl(z[0], state.qd * state.dt, values[1]);
+        load.torque += values[0] * z[0];
+    }
+}

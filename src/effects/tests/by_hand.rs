@@ -1,0 +1,167 @@
+//! One independent number per effect, worked out by hand: a law that both injects and explains
+//! would pass every round trip even when it is wrong.
+
+use super::*;
+
+/// Values, motion (q, qd, qdd of a pendulum of 3 kg at 0.4 m, flange at 0.5 m, row by row every
+/// 20 ms) and the torque at its end worked out by hand. A new effect needs a line here.
+fn closed_form(name: &str) -> (Vec<f64>, Vec<[f64; 3]>, f64) {
+    let at = |q: f64, qd: f64, qdd: f64| vec![[q, qd, qdd]];
+    let (right_angle, e) = (std::f64::consts::FRAC_PI_2, std::f64::consts::E);
+    // From rest over 2 mrad in one row.
+    let start = vec![[0.0, 0.0, 0.0], [0.002, 0.1, 0.0]];
+    match name {
+        "coulomb" => (vec![5.0], at(0.0, -0.3, 0.0), -5.0),
+        "viscous" => (vec![6.0], at(0.0, -0.5, 0.0), -3.0),
+        "viscous_quadratic" => (vec![2.0], at(0.0, -0.5, 0.0), -0.5),
+        "viscous_cubic" => (vec![4.0], at(0.0, -0.5, 0.0), -0.5),
+        // 2 / e at the Stribeck velocity
+        "stribeck" => (vec![2.0, 0.05], at(0.0, 0.05, 0.0), 2.0 / e),
+        // Half of both, whatever the direction
+        "coulomb_asymmetry" => (vec![1.0, 0.6], at(0.0, -0.5, 0.0), 0.5 + 0.15),
+        // 20 K above 25 deg C
+        "temperature_friction" => (vec![-0.05, -0.1], at(0.0, 0.5, 0.0), -1.0 - 1.0),
+        // 1 - 1/e of the level after one width
+        "presliding" => (vec![5.0, 0.002], start, 5.0 * (1.0 - 1.0 / e)),
+        // Sliding at the Stribeck velocity for 50 widths: the curve, no bristle motion
+        "lugre" => {
+            let values = vec![5.0, 3.0, 2e-5, 0.3, 0.05];
+            (values, vec![[0.0, 0.0, 0.0], [0.001, 0.05, 0.0]], 5.0 * (1.0 + 0.3 / e))
+        }
+        // The first slips, the second is half, the third an eighth of the way
+        "maxwell_slip" => (vec![2.0, 1.0, 4.0, 0.004], start, 2.0 + 0.5 + 0.5),
+        "torque_ripple" => (vec![0.3, 0.2, 2.0], at(0.5 * right_angle, 0.1, 0.0), 0.3),
+        // 2 N.m/rad over 1 rad from rest angle 0.5, and hysteresis that has not moved
+        "cable_spring" => (vec![2.0, 0.4, 0.5, 0.2], at(1.5, 0.0, 0.0), 2.0),
+        "rotor_inertia" => (vec![1.1], at(0.3, 1.0, -2.0), -2.2),
+        "current_offset" => (vec![-0.7], at(1.0, 1.0, 1.0), -0.7),
+        // 0.05 x 3 kg x 9.81 m/s2 x 0.4 m cos 60 deg
+        "load_friction" => (vec![0.05], at(std::f64::consts::FRAC_PI_3, 0.1, 0.0), 0.2943),
+        // (2 kg x 0.5 m + 0.1 kg.m) x 9.81 m/s2 held level, plus the inertia
+        // 2 kg (0.5 m)^2 + 2 x 0.5 m x 0.1 kg.m at 3 rad/s2
+        "payload" => (vec![2.0, 0.1, 0.0, 0.0], at(0.0, 0.0, 3.0), 10.791 + 1.8),
+        // 0.1 kg.m x 9.81 m/s2 held level
+        "link_inertia" => (vec![0.0, 0.1, 0.0, 0.0], at(0.0, 0.0, 0.0), 0.981),
+        // -20 N at 0.5 m
+        "external_contact" => (vec![0.0, 0.0, -20.0, 0.0, 1.0, 1.0], at(0.0, 0.0, 0.0), 10.0),
+        // Upright; x dips by 1e-4: 1e-4 x 3 kg x 9.81 m/s2 x 0.4 m pull it over
+        "base_tilt" => (vec![0.0, 1e-4], at(right_angle, 0.0, 0.0), 1.1772e-3),
+        // Shown upright, truly 1e-4 before it
+        "encoder_offset" => (vec![1e-4], at(right_angle, 0.0, 0.0), 1.1772e-3),
+        // 10 % of 3 kg x 9.81 m/s2 x 0.4 m
+        "torque_constant" => (vec![0.1], at(0.0, 0.0, 0.0), 1.1772),
+        _ => panic!("{name}: work out a number by hand and put it here"),
+    }
+}
+
+#[test]
+fn agrees_with_numbers_worked_out_by_hand() {
+    let elsewhere = ["joint_coupling", "joint_flexibility", "backlash"];
+    for effect in columned().filter(|e| !elsewhere.contains(&e.about().name)) {
+        let name = effect.about().name;
+        let (values, rows, expected) = closed_form(name);
+        let samples = Samples::rows(&rows);
+        for torque in [samples.explained(effect, &values, 0), samples.injected(effect, &values, 0)]
+        {
+            let last = torque.joint(0)[rows.len() - 1];
+            assert!((last - expected).abs() < 1e-6 * expected.abs(), "{name}: {last} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_neighbours_motion_pulls_along() {
+    let samples = Samples::random(5);
+    let effect = find("joint_coupling").unwrap();
+    let torque = samples.explained(effect, &[2.0, -3.0], 1);
+    let [inner, outer] = [0, 2].map(|j| samples.qd.joint(j)[7]);
+    assert!((torque.joint(1)[7] - (2.0 * inner - 3.0 * outer)).abs() < 1e-12);
+    let torque = samples.explained(effect, &[2.0, -3.0], 0);
+    assert!((torque.joint(0)[7] + 3.0 * samples.qd.joint(1)[7]).abs() < 1e-12);
+}
+
+/// A wheel without gravity on a spring: the motor feels I (qdd - w''), w = c I qdd. For
+/// q = cos(W t) that is I W^2 c I W^2 cos(W t) more negative, from the equation of two masses.
+#[test]
+fn an_elastic_wheel_answers_as_two_masses_do() {
+    let mut robot = pendulum();
+    (robot.gravity, robot.bodies[0].inertia.com) = (Vector3::zeros(), Vector3::zeros());
+    let (inertia, omega, c) = (0.01, 3.0, 1e-4);
+    let wave = |size: f64| {
+        JointSeries::from_joints(&[(0..200)
+            .map(|k| size * (omega * k as f64 * 0.001).cos())
+            .collect()])
+    };
+    let (q, qd, qdd) = (wave(1.0), wave(0.0), wave(-omega * omega));
+    let motion = Motion::new(&robot, 0.001, &q, &qd, &qdd);
+    let column = &find("joint_flexibility").unwrap().columns(&motion, 0, &[0.0; 5])[0];
+    let expected = -inertia * inertia * omega.powi(4) * (omega * 0.1).cos();
+    assert!((column[100] - expected).abs() < 1e-4 * expected.abs(), "{} {expected}", column[100]);
+    let spring = Transmission { stiffness: 1.0 / c, gap: 2e-3, ..Transmission::default() };
+    assert!((spring.torque(3e-3, 0.0) - 2e-3 / c).abs() < 1e-9);
+    assert_eq!(spring.torque(-9e-4, 5.0), 0.0);
+    assert!((spring.wind_up(-20.0) + 3e-3).abs() < 1e-9);
+}
+
+/// Half a gap under 11.772 N.m cos q: the gravity torque changes by its slope times the wind-up.
+#[test]
+fn backlash_lets_the_link_hang_behind() {
+    let q = 1.0;
+    let samples = Samples::rows(&[[q, 0.0, 0.0]; 9]);
+    let torque = samples.explained(find("backlash").unwrap(), &[1e-3, 2e4, 20.0], 0);
+    let load = 11.772 * f64::cos(q);
+    let expected = 5e-4 * 11.772 * f64::sin(q) * load.tanh();
+    assert!((torque.joint(0)[4] - expected).abs() < 1e-7, "{} {expected}", torque.joint(0)[4]);
+}
+
+/// Ramps and steps through the sensors, by closed form.
+#[test]
+fn sensors_show_what_the_closed_forms_say() {
+    let measured = |name: &str, values: &[f64]| {
+        let mut seen = channels(|t| [0.0, 3.0 * t, 3.0, 2.0 * t]);
+        find(name).unwrap().measure(values, &mut seen);
+        seen
+    };
+    let seen = measured("time_delay", &[0.013]);
+    assert!((seen.torque[50] - 2.0 * (0.5 - 0.013)).abs() < 1e-12, "{}", seen.torque[50]);
+    let seen = measured("velocity_lag", &[0.05]);
+    let lagged = 3.0 * (0.5 - 0.05 + 0.05 * f64::exp(-10.0));
+    assert!((seen.qd[50] - lagged).abs() < 1e-12, "{} {lagged}", seen.qd[50]);
+    let seen = measured("quantisation", &[0.0, 0.4, 0.3]);
+    assert!((seen.qd[50] - 1.6).abs() < 1e-12 && (seen.torque[50] - 0.9).abs() < 1e-12);
+}
+
+/// Delay and lag: after the correction motion and torque belong together again.
+#[test]
+fn corrections_undo_what_sensors_did() {
+    let (w, delay) = (4.0, 0.023);
+    let truth = |t: f64| {
+        let (sin, cos) = f64::sin_cos(w * t);
+        [sin, w * cos, -w * w * sin, 5.0 * w * cos]
+    };
+    for effect in CATALOGUE.iter().filter(|e| e.seen() == Seen::Channels) {
+        let mut seen = channels(truth);
+        effect.measure(&[delay], &mut seen);
+        if effect.about().name == "velocity_lag" {
+            seen.qdd = (0..100)
+                .map(|k| (seen.qd[(k + 1).min(99)] - seen.qd[k.max(1) - 1]) / 0.02)
+                .collect();
+        }
+        effect.correct(&[delay], &mut seen);
+        for k in 30..90 {
+            let (torque, qd) = (seen.torque[k], seen.qd[k]);
+            assert!((torque - 5.0 * qd).abs() < 0.02, "{}: {torque} {qd}", effect.about().name);
+        }
+    }
+}
+
+/// What inverse dynamics cannot see changes the drive or the controller.
+#[test]
+fn limits_and_gains_are_in_the_mechanism() {
+    let mut mechanism = Mechanism::new(pendulum());
+    find("torque_saturation").unwrap().build(&[30.0], 0, &mut mechanism);
+    find("controller_mismatch").unwrap().build(&[0.5, 0.7, 0.9, 0.004], 0, &mut mechanism);
+    assert_eq!(mechanism.torque_limit, [30.0]);
+    let control = ControlChange { bandwidth: 0.5, damping: 0.7, feedforward: 0.9, delay: 0.004 };
+    assert_eq!(mechanism.control, control);
+}

@@ -1,0 +1,43 @@
+//! Torque constant that is not the nominal one: tau = g tau_drive, g = K_nominal / K_true - 1.
+//!
+//! `tau_drive` is what is known of the drive's torque: what is fitted besides (friction) comes out
+//! larger by the factor 1 + g. Needs a known load.
+
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope};
+
+pub struct TorqueConstant;
+
+static ABOUT: About = About {
+    name: "torque_constant",
+    law: "tau = g tau_drive",
+    scope: Scope::Joint,
+    parameters: &[Parameter {
+        name: "torque_gain_error",
+        symbol: "g",
+        unit: "-",
+        min: -0.5,
+        max: 0.5,
+        typical: 0.05,
+        null: 0.0,
+        role: Role::Linear,
+    }],
+    memory: 0,
+    dissipates: false,
+    cause: "motor constant, gear ratio or current sensor other than in the data sheet; magnets weaken when warm",
+    remedy: "calibrate the torque constant with a known load and put it into [drive]",
+    source: "Gautier, Briot, Global identification of joint drive gains and dynamic parameters of robots, J. Dyn. Sys. Meas. Control 136(5), 2014",
+};
+
+impl Effect for TorqueConstant {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {
+        vec![motion.drive_torque().joint(joint).to_vec()]
+    }
+
+    fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
+        mechanism.torque_gain[joint] *= 1.0 + values[0];
+    }
+}

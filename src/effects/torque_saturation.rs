@@ -1,0 +1,43 @@
+//! A drive that gives no more than a limit: tau_motor = clip(tau_asked, -limit, limit).
+//!
+//! What was recorded is the clipped torque, and the motion belongs to it.
+
+use super::{About, Effect, Mechanism, Parameter, Role, Scope, Seen};
+
+pub struct TorqueSaturation;
+
+static ABOUT: About = About {
+    name: "torque_saturation",
+    law: "tau asked by the controller is clipped to -limit .. limit",
+    scope: Scope::Joint,
+    parameters: &[Parameter {
+        name: "torque_limit",
+        symbol: "limit",
+        unit: "N.m",
+        min: 1.0,
+        max: 1000.0,
+        typical: 30.0,
+        null: f64::INFINITY,
+        role: Role::Nonlinear,
+    }],
+    memory: 0,
+    dissipates: false,
+    cause: "current limit of the drive, a weak supply, or a safety setting",
+    remedy: "give the actuator its limit (URDF effort, MuJoCo ctrlrange) or ask for slower motion",
+    source: "Siciliano et al., Robotics: Modelling, Planning and Control, 2009, section 5.2: current limiter of the power amplifier",
+};
+
+impl Effect for TorqueSaturation {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn seen(&self) -> Seen {
+        Seen::Simulation
+    }
+
+    fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
+        let limit = &mut mechanism.torque_limit[joint];
+        *limit = limit.min(values[0]);
+    }
+}
