@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use armtwin::effects::CATALOGUE;
 use tempfile::TempDir;
 
 use super::{Output, armtwin};
@@ -44,6 +45,25 @@ fn every_scenario_of_the_repository_runs() {
         assert!(out.path().join("check.csv").is_file());
     }
     assert!(count >= 3);
+}
+
+#[test]
+fn every_effect_has_a_scenario_that_hides_it() {
+    for name in CATALOGUE.iter().map(|e| e.about().name) {
+        let file = scenario("effects").join(name).with_extension("toml");
+        let text = fs::read_to_string(&file).expect(name);
+        assert!(text.starts_with("# ") && text.contains(&format!("[effects.{name}]")), "{name}");
+        let out = TempDir::new().unwrap();
+        let run = simulate(&file, out.path(), &["--duration", "4"]);
+        assert_eq!(run.code, 0, "{name}: {}", run.stderr);
+        let truth = fs::read_to_string(out.path().join("truth.json")).unwrap();
+        let truth: serde_json::Value = serde_json::from_str(&truth).unwrap();
+        let hidden = truth["effects"].as_array().unwrap();
+        assert!(hidden.iter().any(|e| e["effect"] == name), "{name}");
+        assert!(out.path().join("check.csv").is_file());
+    }
+    let files = fs::read_dir(scenario("effects")).unwrap().count();
+    assert_eq!(files, CATALOGUE.len(), "a scenario of an effect that is not in the catalogue");
 }
 
 #[test]
