@@ -51,8 +51,9 @@ fn overview(all: impl Iterator<Item = &'static About> + Clone) -> String {
 }
 
 fn row(about: &About, p: &Parameter) -> Vec<String> {
-    let texts = [about.name, p.name, p.symbol, p.unit, enters(p)].map(String::from);
-    [texts.to_vec(), vec![range(p), p.typical.to_string()]].concat()
+    let enters = enters(p).trim_end_matches("ly");
+    let texts = [about.name, p.name, p.symbol, p.unit, enters].map(String::from);
+    [texts.to_vec(), vec![range(p), number(p.typical)]].concat()
 }
 
 fn details(about: &About) -> String {
@@ -70,7 +71,7 @@ fn details(about: &About) -> String {
     let rows = about.parameters.iter().map(|p| {
         let absent = if p.null.is_nan() { "-".into() } else { p.null.to_string() };
         let texts = [p.name, p.symbol, p.unit, enters(p), sign(p)].map(String::from);
-        [texts.to_vec(), vec![range(p), p.typical.to_string(), absent]].concat()
+        [texts.to_vec(), vec![range(p), number(p.typical), absent]].concat()
     });
     let _ = write!(text, "\n{}\n\n{}", table(&header, 5, rows), examples(about));
     text
@@ -103,7 +104,7 @@ fn shows_as(seen: Seen) -> &'static str {
 fn on(about: &About) -> &'static str {
     match about.scope {
         Scope::Joint => "each joint",
-        Scope::Link => "each joint, felt by all",
+        Scope::Link => "each, felt by all",
         Scope::Arm => "the whole arm",
     }
 }
@@ -119,6 +120,12 @@ fn sign(p: &Parameter) -> &'static str {
     if p.min < 0.0 { "either" } else { "not negative" }
 }
 
+/// Large and small numbers by powers of ten.
+fn number(x: f64) -> String {
+    let plain = x == 0.0 || x.is_infinite() || (1e-3..1e5).contains(&x.abs());
+    if plain { x.to_string() } else { format!("{x:e}") }
+}
+
 fn range(p: &Parameter) -> String {
-    format!("{} to {}", p.min, p.max)
+    format!("{} to {}", number(p.min), number(p.max))
 }

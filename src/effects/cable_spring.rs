@@ -9,7 +9,7 @@ pub struct CableSpring;
 
 static ABOUT: About = About {
     name: "cable_spring",
-    law: "tau = k (q - q0) + h z,  dz = dq (1 - z sign(dq)) / w",
+    law: "tau = k (q - q0) + h z,  dz/dq = (1 - z sign(dq)) / w",
     scope: Scope::Joint,
     parameters: &[
         Parameter {

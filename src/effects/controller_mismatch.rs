@@ -8,7 +8,7 @@ pub struct ControllerMismatch;
 
 static ABOUT: About = About {
     name: "controller_mismatch",
-    law: "tau asked = that of a controller with other gains, d later",
+    law: "tau asked for by a controller with other gains, d later",
     scope: Scope::Arm,
     parameters: &[
         Parameter {
@@ -32,7 +32,7 @@ static ABOUT: About = About {
             role: Role::Nonlinear,
         },
         Parameter {
-            name: "controller_feedforward",
+            name: "controller_friction",
             symbol: "ff",
             unit: "-",
             min: 0.0,

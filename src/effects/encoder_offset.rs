@@ -10,7 +10,7 @@ pub struct EncoderOffset;
 
 static ABOUT: About = About {
     name: "encoder_offset",
-    law: "tau = ID(q - d) - ID(q), about -d ID/dq_j d",
+    law: "tau = ID(q - d) - ID(q)",
     scope: Scope::Link,
     parameters: &[Parameter {
         name: "encoder_offset",

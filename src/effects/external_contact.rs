@@ -11,7 +11,7 @@ pub struct ExternalContact;
 
 static ABOUT: About = About {
     name: "external_contact",
-    law: "tau = -J(q)^T F  while start <= t < start + duration and z_flange <= height",
+    law: "tau = -J^T F,  start <= t < start + D,  z <= height",
     scope: Scope::Arm,
     parameters: &[
         Parameter {
@@ -56,7 +56,7 @@ static ABOUT: About = About {
         },
         Parameter {
             name: "contact_duration",
-            symbol: "duration",
+            symbol: "D",
             unit: "s",
             min: 0.0,
             max: 1e5,

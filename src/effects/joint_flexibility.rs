@@ -12,7 +12,7 @@ pub struct JointFlexibility;
 
 static ABOUT: About = About {
     name: "joint_flexibility",
-    law: "tau = ID(q - c tau_load) - ID(q),  tau_load = x/c + K3 x^3 + D dx/dt + h z",
+    law: "tau = ID(q - c tau_load) - ID(q),  c = 1/K",
     scope: Scope::Link,
     parameters: &[
         Parameter {
@@ -30,7 +30,7 @@ static ABOUT: About = About {
             symbol: "K3",
             unit: "N.m/rad3",
             min: 0.0,
-            max: 1e10,
+            max: 1e9,
             typical: 0.0,
             null: f64::NAN,
             role: Role::Nonlinear,
@@ -56,7 +56,7 @@ static ABOUT: About = About {
             role: Role::Nonlinear,
         },
         Parameter {
-            name: "joint_hysteresis_width",
+            name: "hysteresis_width",
             symbol: "w",
             unit: "rad",
             min: 1e-5,

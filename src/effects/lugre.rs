@@ -9,7 +9,7 @@ pub struct Lugre;
 
 static ABOUT: About = About {
     name: "lugre",
-    law: "tau = Fl z + D w dz/dt,  w dz/dt = qd - |qd| z / g,  g = 1 + e exp(-|qd/qd_s|)",
+    law: "tau = Fl z + D w dz/dt,  g = 1 + e exp(-|qd/qd_s|)",
     scope: Scope::Joint,
     parameters: &[
         Parameter {

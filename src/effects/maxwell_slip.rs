@@ -9,7 +9,7 @@ pub struct MaxwellSlip;
 
 static ABOUT: About = About {
     name: "maxwell_slip",
-    law: "tau = F1 z1 + F2 z2 + F3 z3,  dzi = dq / wi within -1 to 1,  wi = w/4, w, 4w",
+    law: "tau = F1 z1 + F2 z2 + F3 z3,  dzi/dq = 1/wi, |zi| <= 1",
     scope: Scope::Joint,
     parameters: &[
         Parameter {

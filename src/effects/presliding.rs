@@ -9,7 +9,7 @@ pub struct Presliding;
 
 static ABOUT: About = About {
     name: "presliding",
-    law: "tau = Fp z,  dz = dq (1 - z sign(dq)) / w",
+    law: "tau = Fp z,  dz/dq = (1 - z sign(dq)) / w",
     scope: Scope::Joint,
     parameters: &[
         Parameter {

@@ -8,7 +8,7 @@ pub struct Quantisation;
 
 static ABOUT: About = About {
     name: "quantisation",
-    law: "tau recorded = step round(tau / step), position and velocity alike",
+    law: "tau recorded = step round(tau / step); q, qd alike",
     scope: Scope::Joint,
     parameters: &[
         Parameter {

@@ -8,7 +8,7 @@ pub struct TorqueSaturation;
 
 static ABOUT: About = About {
     name: "torque_saturation",
-    law: "tau asked by the controller is clipped to -limit .. limit",
+    law: "tau asked for is clipped to -limit .. limit",
     scope: Scope::Joint,
     parameters: &[Parameter {
         name: "torque_limit",

@@ -8,7 +8,7 @@ pub struct VelocityLag;
 
 static ABOUT: About = About {
     name: "velocity_lag",
-    law: "tau computed from qd_recorded,  T d(qd_recorded)/dt + qd_recorded = qd",
+    law: "tau computed from qd that lags: T qd_r' + qd_r = qd",
     scope: Scope::Joint,
     parameters: &[Parameter {
         name: "velocity_lag",
