@@ -89,6 +89,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     for scenario in &scenarios {
         let report = one(scenario, args)?;
         println!("{}", render::text(&report));
+        if !report.unidentifiable.is_empty() {
+            println!("To identify all: --measured omega,current, or one of them by --given\n");
+        }
         reports.push(report);
     }
     let text: String = reports.iter().map(render::markdown).collect();
