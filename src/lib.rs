@@ -26,6 +26,7 @@ pub mod series;
 pub mod signals;
 pub mod simulation;
 pub mod statistics;
+pub mod studies;
 pub mod twin;
 #[cfg(feature = "viewer")]
 pub mod viewer;

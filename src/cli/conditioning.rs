@@ -12,7 +12,7 @@ pub struct ConditioningArgs {
     /// Where velocity and acceleration come from
     #[arg(long, value_enum)]
     derivatives: Option<Source>,
-    /// Zero-phase low-pass of the motion, 0 for none [default: 8]
+    /// Zero-phase low-pass of the motion, 0 for none [default: 20]
     #[arg(long, value_name = "HZ")]
     motion_cutoff: Option<f64>,
     /// Zero-phase low-pass of torque and regressors alike, 0 for none [default: 8]
@@ -24,7 +24,7 @@ pub struct ConditioningArgs {
     /// Samples at or below this speed do not slide, 0 keeps all [default: 0.02]
     #[arg(long, value_name = "RAD_S")]
     standstill: Option<f64>,
-    /// Leave out sliding samples nearer than this to standstill [default: 0]
+    /// Leave out sliding samples nearer than this to standstill [default: 0.1]
     #[arg(long, value_name = "S")]
     guard: Option<f64>,
     /// Leave out this much at both ends [default: 0.5]

@@ -4,10 +4,12 @@ mod accuracy;
 mod compare;
 mod conditioning;
 mod convert;
+mod demo;
 mod effects;
 mod identify;
 mod inspect;
 mod motor;
+mod recovery;
 mod robots;
 mod simulate;
 mod urdf;
@@ -28,10 +30,12 @@ enum Command {
     Accuracy(accuracy::Args),
     Compare(compare::Args),
     Convert(convert::Args),
+    Demo(demo::Args),
     Effects(effects::Args),
     Identify(identify::Args),
     Inspect(inspect::Args),
     Motor(motor::Args),
+    Recovery(recovery::Args),
     Robots(robots::Args),
     Simulate(simulate::Args),
     Urdf(urdf::Args),
@@ -53,10 +57,12 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Accuracy(args) => accuracy::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Convert(args) => convert::run(&args),
+        Command::Demo(args) => demo::run(&args),
         Command::Effects(args) => effects::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Motor(args) => motor::run(&args),
+        Command::Recovery(args) => recovery::run(&args),
         Command::Robots(args) => robots::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Urdf(args) => urdf::run(&args),

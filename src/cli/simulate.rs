@@ -55,7 +55,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn simulate(made: &Experiment) -> anyhow::Result<[Run; 2]> {
+pub(super) fn simulate(made: &Experiment) -> anyhow::Result<[Run; 2]> {
     let stop = stop_on_interrupt()?;
     let mut simulation = Simulation::new(&made.setup)?;
     let bar = progress(made.fit.duration() + made.check.duration());
@@ -86,7 +86,7 @@ fn stop_on_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
     Ok(stop)
 }
 
-fn write(out: &Path, fit: &Run, check: &Run, truth: &Truth<'_>) -> anyhow::Result<()> {
+pub(super) fn write(out: &Path, fit: &Run, check: &Run, truth: &Truth<'_>) -> anyhow::Result<()> {
     fs::create_dir_all(out)?;
     write_csv(&fit.recording, &out.join("fit.csv"))?;
     write_csv(&check.recording, &out.join("check.csv"))?;

@@ -2,10 +2,11 @@
 //!
 //! Starting from the full law, the optional term whose existence the data show least (largest
 //! robust p; what cannot be told at all counts as 1) is taken out and the rest fitted again, until
-//! every term left is significant. Terms that cannot be told apart (quadratic and cubic viscous
+//! every term left is significant: of all terms that are absent from a joint, one is kept in 1 % of
+//! the cases (Bonferroni's inequality over the optional terms). Terms that cannot be told apart (quadratic and cubic viscous
 //! friction over a short range of speeds) thus do not hide each other: one of them goes first.
 //! Coulomb friction always stays. Intervals of what is left are conditional on this choice; their
-//! coverage is measured, not assumed (docs/identification.md).
+//! coverage is measured, not assumed (docs/recovery.md).
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -65,16 +66,24 @@ fn eliminate(
     settings: &separable::Settings,
 ) -> Result<Vec<Dropped>, IdentificationError> {
     let mut dropped = Vec::new();
-    while let Some(next) = weakest(&problem, settings)? {
+    let threshold = (1.0 - LEVEL) / optional(&problem).max(1) as f64;
+    while let Some(next) = weakest(&problem, threshold, settings)? {
         take_out(&mut problem, &next.term);
         dropped.push(next);
     }
     Ok(dropped)
 }
 
-/// The optional term the data show least, if one is not shown.
+/// How many terms may go: all but Coulomb friction.
+fn optional(problem: &JointProblem) -> usize {
+    let columns = problem.columns.iter().filter(|c| c.parameter.name != "coulomb").count();
+    columns + usize::from(problem.curve.is_some())
+}
+
+/// The optional term the data show least, if its p exceeds `threshold`.
 fn weakest(
     problem: &JointProblem,
+    threshold: f64,
     settings: &separable::Settings,
 ) -> Result<Option<Dropped>, IdentificationError> {
     let prepared = Prepared::new(problem.clone())?;
@@ -82,7 +91,7 @@ fn weakest(
     let estimates = judge::judge(problem, &x)?;
     let terms = estimates.iter().filter_map(|e| doubt(problem, e, &estimates));
     // Among equals the last goes: higher powers stand behind lower ones.
-    Ok(terms.filter(|d| d.p > 1.0 - LEVEL).reduce(|a, b| if b.p >= a.p { b } else { a }))
+    Ok(terms.filter(|d| d.p > threshold).reduce(|a, b| if b.p >= a.p { b } else { a }))
 }
 
 /// How much the data doubt the term that `estimate` belongs to; `None` for one that stays.

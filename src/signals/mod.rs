@@ -39,7 +39,8 @@ pub struct Conditioning {
     /// How velocity and acceleration come about.
     pub derivatives: Derivatives,
     /// Zero-phase low-pass of the motion before it is differentiated, Hz; 0 is none. Of the
-    /// tracking error alone where [`Derivatives::TrackingError`] is chosen.
+    /// tracking error alone where [`Derivatives::TrackingError`] is chosen. Well above the torque
+    /// cutoff, so that reversals stay sharp: the torque filter then smooths both sides alike.
     pub motion_cutoff_hz: f64,
     /// Zero-phase low-pass of torque and regressors alike, Hz; 0 is none.
     pub torque_cutoff_hz: f64,
@@ -77,11 +78,11 @@ impl Default for Conditioning {
             interpolation: Interpolation::Cubic,
             gap_periods: 5.0,
             derivatives: Derivatives::Position,
-            motion_cutoff_hz: 8.0,
+            motion_cutoff_hz: 20.0,
             torque_cutoff_hz: 8.0,
             filter_order: 4,
             standstill_rad_s: 0.02,
-            guard_s: 0.05,
+            guard_s: 0.1,
             margin_s: 0.5,
             decimation: None,
         }

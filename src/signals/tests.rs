@@ -212,7 +212,8 @@ fn white_noise_on_position_reaches_acceleration_as_the_filters_say() {
     let mut noisy = recording(&uniform(n));
     let noise: Vec<f64> = (0..n).map(|_| StandardNormal.sample(&mut rng)).collect();
     noisy.channels[0].values = noise;
-    let samples = condition(&noisy, &drive(), 2, &Conditioning::default()).unwrap();
+    let how = Conditioning { motion_cutoff_hz: 8.0, ..Conditioning::default() };
+    let samples = condition(&noisy, &drive(), 2, &how).unwrap();
     let qdd: Vec<f64> = samples.qdd.joint(0)[200..n - 200].to_vec();
     let measured = qdd.iter().map(|a| a * a).sum::<f64>() / qdd.len() as f64;
     let wc = (TAU * 8.0 * 0.004).tan();

@@ -20,7 +20,8 @@ pub struct Scenario {
     pub seed: u64,
     /// Of the recording, Hz.
     pub rate_hz: f64,
-    /// Of the simulation, s.
+    /// Of the simulation, s. With an odd number of steps per controller period, recorded samples lie
+    /// exactly in the middle of a hold; with an even one half a step beside it.
     pub step_s: f64,
     pub drive: DriveTable,
     /// What the arm does in `fit.csv`.
@@ -44,7 +45,7 @@ impl Default for Scenario {
             robot: "ur5".into(),
             seed: 1,
             rate_hz: 125.0,
-            step_s: 0.0005,
+            step_s: 0.0004,
             drive: DriveTable::default(),
             motion: Settings::default(),
             check: toml::Table::new(),

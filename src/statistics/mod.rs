@@ -32,6 +32,4 @@ pub use tail::{PValue, normal_quantile, normal_two_sided, student_quantile, stud
 pub use whitening::Whitening;
 
 #[cfg(test)]
-mod coverage;
-#[cfg(test)]
 mod tests;

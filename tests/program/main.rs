@@ -1,9 +1,11 @@
 //! Tests of the program as a user runs it, one file per command.
 
 mod compare;
+mod demo;
 mod effects;
 mod identify;
 mod motor;
+mod readme;
 mod recording;
 mod robots;
 mod simulate;

@@ -12,7 +12,7 @@ mod replay;
 mod summary;
 
 #[cfg(feature = "viewer")]
-use build::compare;
+pub(super) use build::compare;
 
 use std::path::PathBuf;
 

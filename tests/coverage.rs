@@ -9,8 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use super::*;
-use crate::signals::LowPass;
+use armtwin::signals::LowPass;
+use armtwin::statistics::*;
 
 const PARAMETERS: usize = 5;
 

@@ -1,0 +1,173 @@
+//! `armtwin demo`: the main job in one go, on an arm whose parameters are known.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+
+use super::simulate;
+use crate::identification::{
+    ArmProblem, BoundsByName, Dropped, MethodResult, Settings, Terms, assemble, fitted_twin,
+    identify, reduce,
+};
+use crate::report::table;
+use crate::signals::condition;
+use crate::simulation::{Experiment, Run, Scenario, Truth};
+use crate::studies::recovery::{Recovered, blank_twin, conditioning, recovered};
+use crate::twin::Twin;
+
+/// Simulate a UR5 with hidden friction, identify it by PSO and NLSE, show the twin beside it
+#[derive(clap::Args)]
+#[command(after_help = "Example: armtwin demo --out demo
+
+Writes DIR/fit.csv and check.csv (the recordings), truth.json (what was hidden in them), twin.toml
+(what was found) and twin.rrd (the twin beside check.csv, for the viewer). The scenario is
+scenarios/ur5_friction.toml.")]
+pub struct Args {
+    /// Folder for the results
+    #[arg(long, value_name = "DIR", default_value = "demo")]
+    out: PathBuf,
+    /// Of the sensors' noise and the swarm
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Length of both recordings, s
+    #[arg(long, value_name = "S", default_value_t = 60.0)]
+    duration: f64,
+}
+
+const SCENARIO: &str = "scenarios/ur5_friction.toml";
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let mut scenario =
+        Scenario::parse(include_str!("../../scenarios/ur5_friction.toml"), SCENARIO)?;
+    scenario.seed = args.seed;
+    scenario.shorten(args.duration);
+    let made = scenario.work_out(SCENARIO)?;
+    println!("armtwin {}  demo  seed {}", env!("CARGO_PKG_VERSION"), args.seed);
+    println!(
+        "1. Simulate a UR5 with hidden friction in rapier: two recordings of {} s, {} Hz, {} dB",
+        args.duration,
+        scenario.rate_hz,
+        scenario.noise.snr_db.unwrap_or(f64::INFINITY)
+    );
+    let [fit, check] = simulate::simulate(&made)?;
+    let truth = Truth::new(&scenario, &made, &fit, &check);
+    simulate::write(&args.out, &fit, &check, &truth)
+        .with_context(|| format!("cannot write into {}", args.out.display()))?;
+    println!("2. Identify Eq. 1, rotor inertia and offset on fit.csv, hold them against check.csv");
+    let found = Found::new(&made, &fit, &check, args.seed)?;
+    found.print(&made);
+    found.twin.save(&args.out.join("twin.toml"))?;
+    println!("\n3. Put the twin beside check.csv");
+    show(&found.twin, &check, &args.out.join("twin.rrd"))?;
+    println!("\nEverything is in {}", args.out.display());
+    Ok(())
+}
+
+/// What identification made of the recordings.
+struct Found {
+    dropped: Vec<Dropped>,
+    results: Vec<MethodResult>,
+    twin: Twin,
+}
+
+impl Found {
+    fn new(made: &Experiment, fit: &Run, check: &Run, seed: u64) -> anyhow::Result<Self> {
+        let blank = blank_twin(made);
+        let terms = Terms::usual()?;
+        let problem = |run: &Run| -> anyhow::Result<ArmProblem> {
+            let dof = blank.robot.dof();
+            let samples = condition(&run.recording, &blank.drive, dof, &conditioning())?;
+            Ok(assemble(&samples, &blank, &terms, &BoundsByName::new())?)
+        };
+        let (mut fit, mut check) = (problem(fit)?, problem(check)?);
+        let settings = Settings { seed, ..Settings::default() };
+        let dropped = reduce(&mut fit, Some(&mut check), &settings.nlse)?;
+        let results = identify(&fit, Some(&check), &settings)?;
+        let nlse = results.last().context("no method ran")?;
+        let twin = fitted_twin(&blank, &terms, &fit, nlse)?;
+        Ok(Self { dropped, results, twin })
+    }
+
+    fn print(&self, made: &Experiment) {
+        println!("\n   Dropped, because the robust test does not show them:");
+        let mut terms: Vec<&str> = self.dropped.iter().map(|d| d.term.as_str()).collect();
+        terms.sort_unstable();
+        terms.dedup();
+        for term in terms {
+            let joints = self.dropped.iter().filter(|d| d.term == term);
+            let joints: Vec<_> = joints.map(|d| d.joint.to_string()).collect();
+            println!("   {term} on joints {}", joints.join(", "));
+        }
+        println!("\n{}", self.parameters(made));
+        println!("\n{}", self.fits());
+    }
+
+    fn parameters(&self, made: &Experiment) -> String {
+        let by_method: Vec<Vec<Recovered>> =
+            self.results.iter().map(|r| recovered(std::slice::from_ref(r), made)).collect();
+        let [pso, nlse] = &by_method[..] else { return String::new() };
+        let row = |(pso, nlse): (&Recovered, &Recovered)| {
+            let e = &nlse.estimate;
+            let held = if nlse.within(e.low, e.high) { "holds the truth" } else { "MISSES it" };
+            let error = nlse.relative_error().map_or("-".into(), |e| format!("{:+.1}", 100.0 * e));
+            let verdict = if e.identifiable { held } else { "not identifiable" };
+            vec![
+                nlse.joint.to_string(),
+                e.name.clone(),
+                e.unit.clone(),
+                format!("{:.4}", nlse.truth),
+                format!("{:.4}", pso.estimate.value),
+                format!("{:.4}", e.value),
+                error,
+                format!("{:.4}", e.low),
+                format!("{:.4}", e.high),
+                verdict.into(),
+            ]
+        };
+        const HEADER: [&str; 10] = [
+            "joint",
+            "parameter",
+            "unit",
+            "true",
+            "PSO",
+            "NLSE",
+            "error %",
+            "99 % low",
+            "high",
+            "",
+        ];
+        table(&HEADER, 3, pso.iter().zip(nlse).map(row))
+    }
+
+    fn fits(&self) -> String {
+        let rows = self.results.iter().flat_map(|m| {
+            m.joints.iter().map(move |j| {
+                vec![
+                    m.method.clone(),
+                    j.joint.to_string(),
+                    format!("{:.6}", j.cost),
+                    j.evaluations.to_string(),
+                    format!("{:.1}", 1e3 * j.seconds),
+                    format!("{:.4}", j.fit.r2),
+                    j.check.map_or("-".into(), |c| format!("{:.4}", c.r2)),
+                ]
+            })
+        });
+        table(&["method", "joint", "cost N.m", "evaluations", "ms", "R2", "check R2"], 1, rows)
+    }
+}
+
+#[cfg(feature = "viewer")]
+fn show(twin: &Twin, check: &Run, path: &Path) -> anyhow::Result<()> {
+    let compared = super::compare::compare(&check.recording, twin, None, &conditioning())?;
+    crate::viewer::write_rrd(&compared.scene, path)?;
+    println!("\n{}", compared.report.table());
+    println!("\n   Look at it: rerun {}", path.display());
+    Ok(())
+}
+
+#[cfg(not(feature = "viewer"))]
+fn show(_: &Twin, _: &Run, _: &Path) -> anyhow::Result<()> {
+    println!("   left out: this armtwin was built without the viewer");
+    Ok(())
+}

@@ -1,0 +1,163 @@
+//! `armtwin recovery`: do identified parameters come back, do intervals keep their promise?
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+
+use crate::files::write_whole;
+use crate::identification::LEVEL;
+use crate::simulation::Scenario;
+use crate::studies::recovery::{self, Recovered, Summary, Trial, conditioning, summarise};
+
+/// Simulate and identify over many seeds; report errors and interval coverage
+#[derive(clap::Args)]
+#[command(after_help = "Example: armtwin recovery --seeds 100 -o docs/recovery.md
+
+Every seed has another excitation and other sensor noise, the hidden parameters stay. Without a
+scenario: the friction benchmark, scenarios/ur5_friction.toml.")]
+pub struct Args {
+    /// What to simulate (TOML)
+    scenario: Option<PathBuf>,
+    /// How many seeds, from 1
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    seeds: u64,
+    /// Markdown file to write; left out, standard output
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Every estimate as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+const BENCHMARK: &str = "scenarios/ur5_friction.toml";
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let (scenario, file) = match &args.scenario {
+        Some(path) => (Scenario::load(path)?, path.display().to_string()),
+        None => {
+            let text = include_str!("../../scenarios/ur5_friction.toml");
+            (Scenario::parse(text, BENCHMARK)?, BENCHMARK.to_string())
+        }
+    };
+    let bar = progress(args.seeds);
+    let trials: Vec<Trial> = (1..=args.seeds)
+        .into_par_iter()
+        .map(|seed| recovery::trial(&scenario, &file, seed).with_context(|| format!("seed {seed}")))
+        .inspect(|_| bar.inc(1))
+        .collect::<anyhow::Result<_>>()?;
+    bar.finish_and_clear();
+    if let Some(path) = &args.json {
+        let all = serde_json::json!({
+            "schema": "armtwin.recovery/1",
+            "version": env!("CARGO_PKG_VERSION"),
+            "scenario": &scenario,
+            "conditioning": conditioning(),
+            "trials": &trials,
+        });
+        write(path, &format!("{all:#}\n"))?;
+    }
+    let page = page(&file, &scenario, &trials)?;
+    match &args.out {
+        Some(path) => write(path, &page),
+        None => {
+            print!("{page}");
+            Ok(())
+        }
+    }
+}
+
+fn progress(seeds: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("seed {pos} of {len} {wide_bar} {eta} left");
+    ProgressBar::new(seeds).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    write_whole(path, |out| out.write_all(text.as_bytes()))
+        .with_context(|| format!("cannot write {}", path.display()))
+}
+
+fn page(file: &str, scenario: &Scenario, trials: &[Trial]) -> anyhow::Result<String> {
+    let full = summarise(trials.iter().flat_map(|t| &t.full));
+    let reduced = summarise(trials.iter().flat_map(|t| &t.reduced));
+    Ok(format!(
+        "# Recovery of known parameters\n\n\
+         Made by `armtwin recovery --seeds {seeds} -o docs/recovery.md`, armtwin {version}.\n\n\
+         `{file}`: {duration} s at {rate} Hz, {noise}, simulated with a step of {step} ms. Every \
+         seed (1 to {seeds}) has another excitation and other noise; the hidden parameters stay. \
+         Fitted to one recording: Eq. 1, rotor inertia, offset; separable least squares. \
+         Signals: `{conditioning}`.\n\n\
+         Coverage is the share of the {level} % intervals that hold the true value: robust to \
+         autocorrelation, asymptotic (white residuals), and by the paper's convention (its \
+         Eq. 8). Refused: estimates the tool declines to give an interval.\n\n\
+         ## What `--reduce` leaves\n\n{reduced}\n{in_all}\n\n{dropped}\n\n\
+         ## All terms fitted\n\n{full}\n{full_in_all}\n",
+        seeds = trials.len(),
+        version = env!("CARGO_PKG_VERSION"),
+        duration = scenario.motion.duration_s,
+        rate = scenario.rate_hz,
+        noise =
+            scenario.noise.snr_db.map_or("no noise on the current".into(), |s| format!("{s} dB")),
+        step = scenario.step_s * 1e3,
+        conditioning = serde_json::to_string(&conditioning())?,
+        level = 100.0 * LEVEL,
+        reduced = markdown(&reduced),
+        in_all = in_all(trials.iter().flat_map(|t| &t.reduced)),
+        dropped = dropped(trials),
+        full = markdown(&full),
+        full_in_all = in_all(trials.iter().flat_map(|t| &t.full)),
+    ))
+}
+
+fn markdown(rows: &[Summary]) -> String {
+    let mut text = String::from(
+        "| parameter | intervals | refused | robust | asymptotic | paper | median error | \
+         within 5 % | largest error |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+    );
+    for r in rows {
+        let error = |e: Option<f64>| e.map_or("true value 0".into(), percent);
+        text += &format!(
+            "| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+            r.parameter,
+            r.intervals,
+            r.refused,
+            percent(r.robust),
+            percent(r.asymptotic),
+            percent(r.paper),
+            error(r.median_error),
+            error(r.within_5_percent),
+            error(r.largest_error)
+        );
+    }
+    text
+}
+
+fn in_all<'a>(rows: impl Iterator<Item = &'a Recovered>) -> String {
+    let given: Vec<_> = rows.filter(|r| r.estimate.identifiable).collect();
+    let held = given.iter().filter(|r| r.within(r.estimate.low, r.estimate.high)).count();
+    let share = held as f64 / given.len().max(1) as f64;
+    format!(
+        "\nIn all {held} of {} robust intervals ({}) hold the truth.",
+        given.len(),
+        percent(share)
+    )
+}
+
+fn dropped(trials: &[Trial]) -> String {
+    let mut counts: Vec<(&str, usize)> = Vec::new();
+    for d in trials.iter().flat_map(|t| &t.dropped) {
+        match counts.iter_mut().find(|c| c.0 == d.term) {
+            Some(count) => count.1 += 1,
+            None => counts.push((&d.term, 1)),
+        }
+    }
+    let joints = trials.iter().flat_map(|t| &t.full).map(|r| r.joint).max().unwrap_or(0);
+    let of = trials.len() * joints;
+    let words: Vec<_> = counts.iter().map(|(term, n)| format!("{term} {n}")).collect();
+    format!("Dropped, of {of} joints and seeds each: {}.", words.join(", "))
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}

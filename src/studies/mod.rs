@@ -1,0 +1,3 @@
+//! Long measurements over many seeds: simulate, identify, hold against the truth.
+
+pub mod recovery;

@@ -1,0 +1,46 @@
+//! The main job in one go, and the study of its reliability.
+
+use std::fs;
+
+use tempfile::TempDir;
+
+use super::armtwin;
+
+#[test]
+fn the_demo_finds_what_it_hid() {
+    let out = TempDir::new().unwrap();
+    let folder = out.path().join("demo");
+    let run = armtwin(&["demo", "--out", folder.to_str().unwrap(), "--duration", "40"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let held = run.stdout.matches("holds the truth").count();
+    let missed = run.stdout.matches("MISSES it").count();
+    assert!(held >= 30 && missed <= 3, "{held} held, {missed} missed\n{}", run.stdout);
+    for file in ["fit.csv", "check.csv", "truth.json", "twin.toml"] {
+        assert!(fs::metadata(folder.join(file)).unwrap().len() > 100, "{file}");
+    }
+    #[cfg(feature = "viewer")]
+    assert!(fs::metadata(folder.join("twin.rrd")).unwrap().len() > 100_000);
+}
+
+#[test]
+fn a_demo_that_cannot_be_written_says_so() {
+    let out = TempDir::new().unwrap();
+    let file = out.path().join("taken");
+    fs::write(&file, "not a folder").unwrap();
+    let run = armtwin(&["demo", "--out", file.to_str().unwrap(), "--duration", "10"]);
+    assert_eq!(run.code, 1);
+    assert!(run.stderr.contains("taken"), "{}", run.stderr);
+    assert_eq!(fs::read_to_string(&file).unwrap(), "not a folder");
+}
+
+#[test]
+fn the_recovery_study_writes_its_page() {
+    let out = TempDir::new().unwrap();
+    let page = out.path().join("recovery.md");
+    let run = armtwin(&["recovery", "--seeds", "1", "-o", page.to_str().unwrap()]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let page = fs::read_to_string(page).unwrap();
+    for word in ["| coulomb | 6 |", "robust", "Dropped, of 6"] {
+        assert!(page.contains(word), "no {word:?} in\n{page}");
+    }
+}
