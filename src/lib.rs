@@ -13,6 +13,7 @@
     warn(clippy::unwrap_used, clippy::expect_used, clippy::todo, clippy::dbg_macro)
 )]
 
+pub mod case_studies;
 pub mod cli;
 pub mod effects;
 pub mod files;

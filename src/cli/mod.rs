@@ -1,6 +1,7 @@
 //! The command line: one file per command, each with its `Args` and `run`.
 
 mod accuracy;
+mod case_studies;
 mod compare;
 mod conditioning;
 mod convert;
@@ -28,6 +29,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Accuracy(accuracy::Args),
+    CaseStudies(case_studies::Args),
     Compare(compare::Args),
     Convert(convert::Args),
     Demo(demo::Args),
@@ -55,6 +57,7 @@ pub fn main() -> ExitCode {
 fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Accuracy(args) => accuracy::run(&args),
+        Command::CaseStudies(args) => case_studies::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Demo(args) => demo::run(&args),

@@ -4,6 +4,7 @@ mod compare;
 mod demo;
 mod effects;
 mod identify;
+mod mcmc;
 mod motor;
 mod readme;
 mod recording;

@@ -1,0 +1,12 @@
+//! The paper's case studies beside ours: its tables, its figures, and its claim that a particle
+//! swarm beats least squares.
+//!
+//! Simulated and recorded arms are identified alike; only this room sees both the truth that was
+//! injected and what was found.
+
+pub mod figures;
+pub mod motor;
+pub mod page;
+pub mod paper;
+pub mod ur5;
+pub mod versus;

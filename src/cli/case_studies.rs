@@ -1,0 +1,175 @@
+//! `armtwin case-studies`: the page that sets the paper's tables and figures beside ours.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use indicatif::ProgressBar;
+
+use crate::case_studies::figures::{self, Figure};
+use crate::case_studies::motor::of_motor;
+use crate::case_studies::page::Page;
+use crate::case_studies::ur5::{self, Study};
+use crate::case_studies::versus::{Duel, duel};
+use crate::files::write_whole;
+use crate::identification::{Terms, assemble};
+use crate::motor::dependence::dependence;
+use crate::motor::render;
+use crate::motor::report::{Method, run as identify_motor};
+use crate::motor::scenario::{SHIPPED, Scenario as MotorScenario};
+use crate::recording;
+use crate::simulation::{Scenario, Simulation};
+use crate::twin::Twin;
+
+/// Reproduce the paper's case studies: tables, figures, and does PSO beat NLSE?
+#[derive(clap::Args)]
+#[command(after_help = "Example: armtwin case-studies --out docs
+
+Writes docs/case-studies.md and docs/img/case-studies/*.svg. The DC motor's searches take minutes;
+--motor takes what `armtwin motor --markdown FILE` wrote instead. Columns of the real UR5 need the
+recordings (--recordings, or ARMTWIN_SHARED, or ../shared).")]
+pub struct Args {
+    /// Folder for the page and its figures
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Folder with the UR5's movement folders
+    #[arg(long, value_name = "DIR")]
+    recordings: Option<PathBuf>,
+    /// The DC motor's section, already made
+    #[arg(long, value_name = "FILE.md")]
+    motor: Option<PathBuf>,
+    /// Of the searches and chains
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Seeds and starts in the comparison of PSO with NLSE
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..))]
+    seeds: u64,
+}
+
+const SCENARIO: &str = "scenarios/ur5_paper.toml";
+const FIT: &str = "Movement_No6_Acc_slow_Verify_Model";
+const CHECK: &str = "Movement_No7_Acc_slow_Verify_Model_short";
+const FOLDER: &str = "recordings/kkufieta-ur5_modeling_force_estimate";
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    if args.out.exists() && !args.out.is_dir() {
+        bail!("--out {}: is a file; name a folder", args.out.display());
+    }
+    let bar = ProgressBar::new_spinner();
+    bar.enable_steady_tick(std::time::Duration::from_millis(100));
+    bar.set_message("UR5 in simulation");
+    let scenario = Scenario::parse(include_str!("../../scenarios/ur5_paper.toml"), SCENARIO)?;
+    let made = scenario.work_out(SCENARIO)?;
+    let synthetic = synthetic(&made, args.seed)?;
+    bar.set_message("UR5 as recorded");
+    let real = real(args)?;
+    let studies = || std::iter::once(&synthetic).chain(&real);
+    bar.set_message("PSO against NLSE");
+    let mut duels = Vec::new();
+    for study in studies() {
+        duels.extend(duels_on(study, args.seeds)?);
+    }
+    bar.set_message("figures");
+    let robot = Twin::default().robot;
+    let mut all: Vec<Figure> = Vec::new();
+    for study in studies() {
+        all.extend(figures::of_arm(study, &robot)?);
+    }
+    bar.set_message("DC motor (minutes)");
+    for shipped in SHIPPED {
+        all.extend(of_motor(&MotorScenario::parse(shipped)?, args.seed)?);
+    }
+    let page = Page {
+        command: format!(
+            "armtwin case-studies --out docs --seed {}{}",
+            args.seed,
+            if args.motor.is_some() { " --motor (from armtwin motor --markdown)" } else { "" }
+        ),
+        injected: ur5::injected(&made.setup),
+        synthetic: &synthetic,
+        real: real.as_ref(),
+        duels,
+        figures: &all,
+        motor: motor(args)?,
+    };
+    let text = page.markdown();
+    bar.finish_and_clear();
+    write(&args.out, &text, &all)?;
+    println!(
+        "{}: case-studies.md and {} figures in {}{}",
+        args.out.display(),
+        all.len(),
+        figures::FOLDER,
+        if real.is_some() { "" } else { "; without the real UR5, whose recordings are not there" }
+    );
+    Ok(())
+}
+
+fn synthetic(made: &crate::simulation::Experiment, seed: u64) -> anyhow::Result<Study> {
+    let mut simulation = Simulation::new(&made.setup)?;
+    let mut run = |command, number| simulation.run(command, made.seed, number, &mut |_| true);
+    let (fit, check) = (run(&made.fit, 0)?.recording, run(&made.check, 1)?.recording);
+    Ok(ur5::study("synthetic", &fit, &check, seed)?)
+}
+
+/// `None` where the recordings are not there and nobody said they were.
+fn real(args: &Args) -> anyhow::Result<Option<Study>> {
+    let shared = || std::env::var_os("ARMTWIN_SHARED").map_or("../shared".into(), PathBuf::from);
+    let folder = args.recordings.clone().unwrap_or_else(|| shared().join(FOLDER));
+    if args.recordings.is_none() && !folder.is_dir() {
+        return Ok(None);
+    }
+    let read = |name: &str| -> anyhow::Result<recording::Recording> {
+        let mut recording = recording::read(&folder.join(name), None)?;
+        recording.provenance.source = name.into();
+        Ok(recording)
+    };
+    Ok(Some(ur5::study("real", &read(FIT)?, &read(CHECK)?, args.seed)?))
+}
+
+/// The paper's law alone, and with what a real arm needs besides.
+fn duels_on(study: &Study, seeds: u64) -> anyhow::Result<Vec<(String, Vec<Duel>)>> {
+    let twin = Twin::default();
+    let laws = [
+        ("Eq. 1 alone (6 parameters)", Terms::named(["paper"])?),
+        ("Eq. 1, rotor inertia and offset (8 parameters)", Terms::usual()?),
+    ];
+    let on = |(law, terms): (&str, Terms)| -> anyhow::Result<(String, Vec<Duel>)> {
+        let arm = assemble(&study.fit.samples, &twin, &terms, &Default::default())?;
+        let joints = arm.joints.iter().filter(|j| j.samples() > 0);
+        let duels = joints.map(|j| duel(j, seeds)).collect::<Result<_, _>>()?;
+        Ok((format!("{law}, {} recording", study.name), duels))
+    };
+    laws.into_iter().map(on).collect()
+}
+
+fn motor(args: &Args) -> anyhow::Result<String> {
+    if let Some(path) = &args.motor {
+        return fs::read_to_string(path).with_context(|| format!("--motor {}", path.display()));
+    }
+    let mut text = String::new();
+    for shipped in SHIPPED {
+        let scenario = MotorScenario::parse(shipped)?;
+        let mut report =
+            identify_motor(&scenario, &[Method::Pso, Method::Nlse], args.seed, &|| {})?;
+        if !report.unidentifiable.is_empty() {
+            report.dependence = dependence(&scenario, args.seed)?;
+        }
+        text += &render::markdown(&report);
+    }
+    Ok(text)
+}
+
+fn write(out: &Path, page: &str, all: &[Figure]) -> anyhow::Result<()> {
+    let folder = out.join(figures::FOLDER);
+    fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    for figure in all {
+        save(&folder.join(&figure.file), &figure.svg)?;
+    }
+    save(&out.join("case-studies.md"), page)
+}
+
+fn save(path: &Path, text: &str) -> anyhow::Result<()> {
+    write_whole(path, |out| out.write_all(text.as_bytes()))
+        .with_context(|| format!("cannot write {}", path.display()))
+}
