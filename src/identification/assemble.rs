@@ -6,7 +6,9 @@ use std::sync::Arc;
 use super::error::IdentificationError;
 use super::problem::{Column, Curve, JointProblem, Parameter, Reduce};
 use super::terms::Terms;
-use crate::effects::{self, About, Motion, Role, Scope};
+use super::{separable, shared};
+use crate::effects::{self, About, Motion, Role, Scope, Seen};
+use crate::robot::Robot;
 use crate::series::JointSeries;
 use crate::signals::{LowPass, Rows, Samples};
 use crate::twin::Twin;
@@ -40,17 +42,13 @@ pub fn assemble(
     if samples.joints() != robot {
         return Err(IdentificationError::Joints { samples: samples.joints(), robot });
     }
-    let assembly = Assembly { samples, twin, terms, motion: motion(samples, twin) };
-    let known = assembly.known_torque();
-    let filter = samples.torque_filter()?;
-    let mut arm = ArmProblem { joints: vec![], shared: vec![], shared_columns: vec![] };
-    for joint in 0..robot {
-        let rows = samples.rows(joint);
-        let reduce = reduce(filter.clone(), &rows);
-        arm.joints.push(assembly.joint(joint, &known, &rows, &reduce)?);
-        let columns = assembly.linear(joint, Scope::Arm)?;
-        arm.shared = columns.iter().map(|(p, _)| p.clone()).collect();
-        arm.shared_columns.push(reduce(columns.into_iter().map(|(_, c)| c).collect()));
+    let samples = &twin.correct(samples);
+    let mut arm = assemble_laden(samples, twin, terms, &twin.laden())?;
+    if terms.contains("load_friction") && !arm.shared.is_empty() {
+        // Gears carry the load that is being fitted, too: once more with it built in.
+        let found = shared::solve(&arm, &separable::Settings::default())?;
+        let laden = with_shared(twin, terms, &arm.shared, &found).laden();
+        arm = assemble_laden(samples, twin, terms, &laden)?;
     }
     if arm.joints.iter().all(|j| j.samples() == 0) {
         let threshold = samples.conditioning.standstill_rad_s;
@@ -60,10 +58,77 @@ pub fn assemble(
     Ok(arm)
 }
 
-fn motion<'a>(samples: &'a Samples, twin: &'a Twin) -> Motion<'a> {
-    let mut motion = Motion::new(&twin.robot, samples.dt, &samples.q, &samples.qd, &samples.qdd);
-    motion.temperature = samples.temperature.as_ref();
-    motion
+/// The problems where the gears carry `laden`.
+fn assemble_laden(
+    samples: &Samples,
+    twin: &Twin,
+    terms: &Terms,
+    laden: &Robot,
+) -> Result<ArmProblem, IdentificationError> {
+    let known = known_torque(samples, twin, terms);
+    let motion = Motion { known: Some(&known), ..twin.motion(samples) };
+    let assembly = Assembly { samples, twin, terms, laden, motion };
+    let filter = samples.torque_filter()?;
+    let reaching = assembly.reaching()?;
+    let mut arm = ArmProblem { joints: vec![], shared: vec![], shared_columns: vec![] };
+    for joint in 0..twin.robot.dof() {
+        let rows = samples.rows(joint);
+        let reduce = reduce(filter.clone(), &rows);
+        arm.joints.push(assembly.joint(joint, &known, &rows, &reduce)?);
+        let mut columns = assembly.linear(joint, Scope::Arm)?;
+        columns.extend(reaching.iter().map(|(p, s)| (p.clone(), s.joint(joint).to_vec())));
+        arm.shared = columns.iter().map(|(p, _)| p.clone()).collect();
+        arm.shared_columns.push(reduce(columns.into_iter().map(|(_, c)| c).collect()));
+    }
+    Ok(arm)
+}
+
+/// `twin` with `values` for the parameters that all joints share.
+pub(super) fn with_shared(
+    twin: &Twin,
+    terms: &Terms,
+    shared: &[Parameter],
+    values: &[f64],
+) -> Twin {
+    let mut fitted = twin.clone();
+    let dof = twin.robot.dof();
+    let found = |name: &str| {
+        let place = shared.iter().position(|p| p.name == name);
+        place.and_then(|i| values.get(i)).copied()
+    };
+    for effect in terms.with_scope(Scope::Arm).chain(terms.with_scope(Scope::Link)) {
+        let linear = effect.about().parameters.iter().filter(|p| p.role == Role::Linear);
+        for p in linear {
+            let values: Option<Vec<f64>> = match effect.about().scope {
+                Scope::Link => (0..dof).map(|j| found(&at_joint(p.name, j))).collect(),
+                _ => found(p.name).map(|value| vec![value]),
+            };
+            fitted.values.extend(values.map(|values| (p.name.to_string(), values)));
+        }
+        if !fitted.effects.iter().any(|name| name == effect.about().name) {
+            fitted.effects.push(effect.about().name.into());
+        }
+    }
+    fitted
+}
+
+/// A parameter that one joint has and all joints feel.
+fn at_joint(name: &str, joint: usize) -> String {
+    format!("{name}_{}", joint + 1)
+}
+
+/// What the twin knows, N.m: rigid body, rotor inertia, effects with given values; without what is
+/// fitted.
+fn known_torque(samples: &Samples, twin: &Twin, terms: &Terms) -> JointSeries {
+    let mut twin = twin.clone();
+    for name in terms.names() {
+        let parameters = effects::find(name).map_or(&[][..], |e| e.about().parameters);
+        parameters.iter().for_each(|p| drop(twin.values.remove(p.name)));
+    }
+    if terms.contains("rotor_inertia") {
+        twin.drive.rotor_inertia.fill(0.0);
+    }
+    twin.torque(&twin.motion(samples))
 }
 
 /// The same zero-phase filter for every column, then the rows in use.
@@ -82,24 +147,12 @@ struct Assembly<'a> {
     samples: &'a Samples,
     twin: &'a Twin,
     terms: &'a Terms,
+    /// The robot as its gears carry it.
+    laden: &'a Robot,
     motion: Motion<'a>,
 }
 
 impl Assembly<'_> {
-    /// What the twin knows, N.m: rigid body, rotor inertia, effects with given values; without
-    /// what is fitted.
-    fn known_torque(&self) -> JointSeries {
-        let mut twin = self.twin.clone();
-        let fitted = [Scope::Joint, Scope::Arm].into_iter().flat_map(|s| self.terms.with_scope(s));
-        for effect in fitted {
-            effect.about().parameters.iter().for_each(|p| drop(twin.values.remove(p.name)));
-        }
-        if self.terms.contains("rotor_inertia") {
-            twin.drive.rotor_inertia.fill(0.0);
-        }
-        twin.torque(&self.motion)
-    }
-
     fn gives(&self, parameter: &str) -> bool {
         self.twin.values.contains_key(parameter)
     }
@@ -149,9 +202,29 @@ impl Assembly<'_> {
                 continue;
             }
             let nonlinear = self.nonlinear(about, joint)?;
+            if effect.seen() != Seen::Columns {
+                return Err(IdentificationError::Unseen { effect: about.name.into() });
+            }
+            let robot = if scope == Scope::Joint { self.laden } else { self.motion.robot };
+            let motion = Motion { robot, ..self.motion };
             let linear = about.parameters.iter().filter(|p| p.role == Role::Linear);
-            let columns = effect.columns(&self.motion, joint, &nonlinear);
-            all.extend(linear.map(searched).zip(columns));
+            all.extend(linear.map(searched).zip(effect.columns(&motion, joint, &nonlinear)));
+        }
+        Ok(all)
+    }
+
+    /// Parameters of single joints that all joints feel, and their torque everywhere.
+    fn reaching(&self) -> Result<Vec<(Parameter, JointSeries)>, IdentificationError> {
+        let mut all = Vec::new();
+        for effect in self.terms.with_scope(Scope::Link) {
+            let about = effect.about();
+            for from in 0..self.twin.robot.dof() {
+                let nonlinear = self.nonlinear(about, from)?;
+                let linear = about.parameters.iter().filter(|p| p.role == Role::Linear);
+                let parameters =
+                    linear.map(|p| Parameter { name: at_joint(p.name, from), ..searched(p) });
+                all.extend(parameters.zip(effect.reach(&self.motion, from, &nonlinear)));
+            }
         }
         Ok(all)
     }

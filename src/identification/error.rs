@@ -17,6 +17,11 @@ pub enum IdentificationError {
          for; give it in the twin's [values] or leave the term out"
     )]
     Nonlinear { effect: String, parameter: String },
+    #[error(
+        "`{effect}` has no torque of its own that could be fitted; give its values in the twin's \
+         [values] or leave the term out"
+    )]
+    Unseen { effect: String },
     #[error("there is nothing to fit: name terms with --terms")]
     NoTerms,
     #[error("no parameter `{name}` is fitted, so it has no bounds to set; there are {known}")]

@@ -1,7 +1,7 @@
 //! The twin with what was found in it.
 
 use super::arm::Prepared;
-use super::assemble::ArmProblem;
+use super::assemble::{ArmProblem, with_shared};
 use super::error::IdentificationError;
 use super::problem::{Column, JointProblem};
 use super::terms::Terms;
@@ -23,7 +23,7 @@ pub fn fitted_twin(
     arm: &ArmProblem,
     result: &MethodResult,
 ) -> Result<Twin, IdentificationError> {
-    let mut fitted = twin.clone();
+    let mut fitted = with_shared(twin, terms, &arm.shared, &result.found.shared);
     let joints = shared::take_off(arm, &result.found.shared);
     for (j, (problem, x)) in joints.iter().zip(&result.found.joints).enumerate() {
         for (name, value) in physical(problem, x)? {
@@ -33,9 +33,6 @@ pub fn fitted_twin(
                 other => set(&mut fitted, other, j, joints.len(), value),
             }
         }
-    }
-    for (p, value) in arm.shared.iter().zip(&result.found.shared) {
-        fitted.values.insert(p.name.clone(), vec![*value]);
     }
     for name in terms.names().into_iter().filter(|n| *n != "rotor_inertia") {
         let found = fill_gaps(&mut fitted, name);

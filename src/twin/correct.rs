@@ -1,10 +1,20 @@
 //! Conditioned samples with the twin's knowledge of the sensors taken into account.
 
 use super::Twin;
-use crate::effects::{CATALOGUE, Channels, Effect, Seen};
+use crate::effects::{CATALOGUE, Channels, Effect, Motion, Seen};
 use crate::signals::{Derivatives, Samples};
 
 impl Twin {
+    /// The motion of `samples` as this twin's effects are explained with.
+    pub fn motion<'a>(&'a self, samples: &'a Samples) -> Motion<'a> {
+        let Samples { dt, q, qd, qdd, .. } = samples;
+        Motion {
+            start: samples.start,
+            temperature: samples.temperature.as_ref(),
+            ..Motion::new(&self.robot, *dt, q, qd, qdd)
+        }
+    }
+
     /// Undoes what the known effects on recorded channels (delays, lags) did to `samples`.
     pub fn correct(&self, samples: &Samples) -> Samples {
         let mut corrected = samples.clone();

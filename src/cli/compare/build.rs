@@ -4,7 +4,7 @@ use super::fit;
 use super::judge::{self, Report, Value};
 use super::replay;
 use super::summary;
-use crate::effects::{Effect, Motion, Parameter};
+use crate::effects::{Effect, Parameter};
 use crate::identification::Terms;
 use crate::recording::Recording;
 use crate::series::JointSeries;
@@ -35,6 +35,7 @@ pub fn compare(
         Some(terms) => fit::fit(twin, terms, &samples)?,
         None => twin.clone(),
     };
+    let samples = twin.correct(&samples);
     let target_q = replay::command(recording, &samples)?;
     let controller = ControllerSettings::default();
     let simulated =
@@ -82,8 +83,6 @@ fn notes(recording: &Recording, samples: &Samples) -> Vec<String> {
 
 /// Measured torque and the twin's for the recorded motion, low-passed alike.
 fn torques(twin: &Twin, samples: &Samples) -> anyhow::Result<[JointSeries; 2]> {
-    let mut motion = Motion::new(&twin.robot, samples.dt, &samples.q, &samples.qd, &samples.qdd);
-    motion.temperature = samples.temperature.as_ref();
     let filter = samples.torque_filter()?;
     let filtered = |series: &JointSeries| {
         series.map_joints(|_, tau| {
@@ -94,7 +93,7 @@ fn torques(twin: &Twin, samples: &Samples) -> anyhow::Result<[JointSeries; 2]> {
             tau
         })
     };
-    Ok([filtered(&samples.torque), filtered(&twin.torque(&motion))])
+    Ok([filtered(&samples.torque), filtered(&twin.torque(&twin.motion(samples)))])
 }
 
 /// NaN where a joint stands still: there friction is whatever holds the joint.
