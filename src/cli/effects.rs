@@ -51,8 +51,7 @@ fn overview(all: impl Iterator<Item = &'static About> + Clone) -> String {
 }
 
 fn row(about: &About, p: &Parameter) -> Vec<String> {
-    let enters = enters(p).trim_end_matches("ly");
-    let texts = [about.name, p.name, p.symbol, p.unit, enters].map(String::from);
+    let texts = [about.name, p.name, p.symbol, p.unit, enters(p)].map(String::from);
     [texts.to_vec(), vec![range(p), number(p.typical)]].concat()
 }
 
@@ -111,8 +110,8 @@ fn on(about: &About) -> &'static str {
 
 fn enters(p: &Parameter) -> &'static str {
     match p.role {
-        Role::Linear => "linearly",
-        Role::Nonlinear => "nonlinearly",
+        Role::Linear => "linear",
+        Role::Nonlinear => "nonlinear",
     }
 }
 

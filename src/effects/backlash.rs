@@ -1,10 +1,11 @@
-//! Backlash: the link hangs half a gap behind the side its load pulls to.
+//! Backlash: the link hangs half a gap behind the side its load pulls to, tau_load = K x beyond it.
 //!
-//! Positions are the motor's. The link stands at q - (gap/2) sign(tau_load); it crosses the gap while
-//! the load torque passes through zero, which the columns smooth over 1 N.m. Felt by all joints.
+//! Positions are the motor's. How the link crosses the gap while its load passes through zero is
+//! not linear in the gap: the columns are worked out at gap0 and hold where the fitted gap comes
+//! near it (fit again with gap0 = gap). Felt by all joints. Injecting takes the gap alone.
 
-use super::joint_flexibility::per_wind_up;
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope};
+use super::wind_up::{lagging, wind_up};
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission};
 use crate::series::JointSeries;
 
 pub struct Backlash;
@@ -44,6 +45,16 @@ static ABOUT: About = About {
             null: f64::NAN,
             role: Role::Nonlinear,
         },
+        Parameter {
+            name: "gap_reference",
+            symbol: "gap0",
+            unit: "rad",
+            min: 1e-6,
+            max: 0.05,
+            typical: 0.001,
+            null: f64::NAN,
+            role: Role::Nonlinear,
+        },
     ],
     memory: 0,
     dissipates: false,
@@ -62,10 +73,15 @@ impl Effect for Backlash {
         all.iter().map(|series| series.joint(joint).to_vec()).collect()
     }
 
-    fn reach(&self, motion: &Motion<'_>, from: usize, _: &[f64]) -> Vec<JointSeries> {
-        let load = motion.rigid_torque();
-        let side = load.joint(from).iter().map(|tau| 0.5 * (tau / CROSSING_NM).tanh());
-        vec![per_wind_up(motion, from, &side.collect::<Vec<f64>>())]
+    fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
+        let [stiffness, damping, gap] = *nonlinear else { return vec![] };
+        let slack = Transmission { stiffness, damping, gap, ..Transmission::default() };
+        let tight = Transmission { gap: 0.0, ..slack };
+        let [slack, tight] =
+            [slack, tight].map(|law| lagging(motion, from, &wind_up(motion, from, &law), gap));
+        vec![slack.map_joints(|j, slack| {
+            slack.iter().zip(tight.joint(j)).map(|(slack, tight)| slack - tight).collect()
+        })]
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
@@ -78,6 +94,3 @@ impl Effect for Backlash {
         }
     }
 }
-
-/// Load torque over which the teeth change sides.
-const CROSSING_NM: f64 = 1.0;

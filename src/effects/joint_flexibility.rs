@@ -1,11 +1,12 @@
 //! An elastic joint: the link winds up against the motor by c tau_load, c = 1/K.
 //!
-//! Positions are the motor's. To first order in the compliance c, for motion well below the joint's
-//! resonance, the links follow q - c tau_load with all derivatives; felt by all joints. Hardening,
-//! damping and hysteresis are injected; the columns leave them out.
+//! Positions are the motor's. The wind-up follows the load through the joint's resonance, which
+//! is not linear in c: the columns are worked out at the compliance c0 and hold where the fitted c
+//! comes near it (fit again with c0 = c). Felt by all joints. Hysteresis is injected; the columns
+//! leave it out. Injecting takes c alone.
 
+use super::wind_up::{lagging, wind_up};
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission};
-use crate::robot::inverse_dynamics_series;
 use crate::series::JointSeries;
 
 pub struct JointFlexibility;
@@ -17,7 +18,7 @@ static ABOUT: About = About {
     parameters: &[
         Parameter {
             name: "joint_compliance",
-            symbol: "c = 1/K",
+            symbol: "c",
             unit: "rad/(N.m)",
             min: 0.0,
             max: 0.005,
@@ -65,6 +66,16 @@ static ABOUT: About = About {
             null: f64::NAN,
             role: Role::Nonlinear,
         },
+        Parameter {
+            name: "compliance_reference",
+            symbol: "c0",
+            unit: "rad/(N.m)",
+            min: 1e-7,
+            max: 0.005,
+            typical: 1e-4,
+            null: f64::NAN,
+            role: Role::Nonlinear,
+        },
     ],
     memory: 0,
     dissipates: false,
@@ -83,9 +94,11 @@ impl Effect for JointFlexibility {
         all.iter().map(|series| series.joint(joint).to_vec()).collect()
     }
 
-    fn reach(&self, motion: &Motion<'_>, from: usize, _: &[f64]) -> Vec<JointSeries> {
-        let load = motion.rigid_torque();
-        vec![per_wind_up(motion, from, load.joint(from))]
+    fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
+        let [hardening, damping, _, _, reference] = *nonlinear else { return vec![] };
+        let stiffness = 1.0 / reference;
+        let law = Transmission { stiffness, hardening, damping, ..Transmission::default() };
+        vec![lagging(motion, from, &wind_up(motion, from, &law), reference)]
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
@@ -101,43 +114,4 @@ impl Effect for JointFlexibility {
             };
         }
     }
-}
-
-/// N.m at every joint per unit of a small wind-up of joint `from` that goes as `shape` over time:
-/// the links move by -`shape` against the motors.
-pub(super) fn per_wind_up(motion: &Motion<'_>, from: usize, shape: &[f64]) -> JointSeries {
-    let (rate, acceleration) =
-        (first_derivative(shape, motion.dt), second_derivative(shape, motion.dt));
-    let moved = |by: f64| {
-        let shift = |series: &JointSeries, shape: &[f64]| {
-            let mut series = series.clone();
-            series.joint_mut(from).iter_mut().zip(shape).for_each(|(x, s)| *x -= by * s);
-            series
-        };
-        inverse_dynamics_series(
-            motion.robot,
-            &shift(motion.q, shape),
-            &shift(motion.qd, &rate),
-            &shift(motion.qdd, &acceleration),
-        )
-    };
-    let size = shape.iter().fold(0.0, |m: f64, s| m.max(s.abs())).max(f64::MIN_POSITIVE);
-    let step = WIND_UP_RAD / size;
-    let (more, less) = (moved(step), moved(-step));
-    more.map_joints(|j, more| {
-        more.iter().zip(less.joint(j)).map(|(m, l)| (m - l) / (2.0 * step)).collect()
-    })
-}
-
-/// Largest wind-up of the central difference.
-const WIND_UP_RAD: f64 = 1e-5;
-
-fn first_derivative(x: &[f64], dt: f64) -> Vec<f64> {
-    let at = |k: usize| x[k.min(x.len() - 1)];
-    (0..x.len()).map(|k| (at(k + 1) - at(k.max(1) - 1)) / (2.0 * dt)).collect()
-}
-
-fn second_derivative(x: &[f64], dt: f64) -> Vec<f64> {
-    let at = |k: usize| x[k.min(x.len() - 1)];
-    (0..x.len()).map(|k| (at(k + 1) - 2.0 * at(k) + at(k.max(1) - 1)) / (dt * dt)).collect()
 }

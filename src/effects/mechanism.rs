@@ -39,12 +39,20 @@ pub struct Transmission {
 }
 
 impl Transmission {
-    /// tau of a wind-up (rad) that changes at `rate` (rad/s), without hysteresis, N.m.
-    pub fn torque(&self, wind_up: f64, rate: f64) -> f64 {
-        let half = 0.5 * self.gap;
-        let x = wind_up - wind_up.clamp(-half, half);
-        let touches = if x != 0.0 || self.gap == 0.0 { 1.0 } else { 0.0 };
-        self.stiffness * x + self.hardening * x * x * x + touches * self.damping * rate
+    /// Elastic torque of a wind-up (rad), N.m.
+    pub fn torque(&self, wind_up: f64) -> f64 {
+        let x = self.beyond_gap(wind_up);
+        self.stiffness * x + self.hardening * x * x * x
+    }
+
+    /// N.m.s/rad at a wind-up (rad): none while nothing touches.
+    pub fn damping_at(&self, wind_up: f64) -> f64 {
+        let touches = self.gap == 0.0 || self.beyond_gap(wind_up) != 0.0;
+        if touches { self.damping } else { 0.0 }
+    }
+
+    fn beyond_gap(&self, wind_up: f64) -> f64 {
+        wind_up - wind_up.clamp(-0.5 * self.gap, 0.5 * self.gap)
     }
 
     /// The wind-up that holds `torque` (N.m) still, rad, by bisection of the increasing law.
@@ -52,7 +60,7 @@ impl Transmission {
         let (mut low, mut high) = (0.0, 0.5 * self.gap + torque.abs() / self.stiffness);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
-            let enough = self.torque(middle, 0.0) >= torque.abs();
+            let enough = self.torque(middle) >= torque.abs();
             *(if enough { &mut high } else { &mut low }) = middle;
         }
         high * torque.signum()

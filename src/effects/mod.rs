@@ -40,6 +40,7 @@ mod velocity_lag;
 mod viscous;
 mod viscous_cubic;
 mod viscous_quadratic;
+mod wind_up;
 
 #[cfg(test)]
 mod tests;

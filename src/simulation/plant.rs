@@ -16,8 +16,8 @@
 //! which is why the order of convergence is one (docs/accuracy.md).
 //!
 //! Where the transmission gives way, the motor is a body of its own (next to massless, with the
-//! armature) that carries the link on a second, coaxial joint; the torque between them is explicit,
-//! which takes no energy and needs a step of 0.1 ms or less.
+//! armature) that carries the link on a second, coaxial joint; the elastic torque between them is
+//! explicit, which takes no energy and needs a step of 0.1 ms or less, its damping implicit.
 
 use nalgebra::{Matrix3, Unit, Vector3};
 use rapier3d_f64::glamx::{DMat3, DQuat, DVec3};
@@ -226,6 +226,10 @@ impl Plant {
             for (joint, load) in self.joints.iter().zip(loads) {
                 arm.frictions_mut()[joint.motor] = load.dry.max(0.0);
                 arm.damping_mut()[joint.motor] = 0.5 * load.damping;
+                if let Some(wound) = &joint.wound {
+                    let wind_up = -self.coordinates[wound.dof];
+                    arm.damping_mut()[wound.dof] = wound.transmission.damping_at(wind_up);
+                }
             }
         }
     }
@@ -316,7 +320,7 @@ impl Wound {
         if t.hysteresis > 0.0 {
             self.z = dahl(self.z, rate * step_s, t.hysteresis_width);
         }
-        t.torque(wind_up, rate) + t.hysteresis * self.z
+        t.torque(wind_up) + t.hysteresis * self.z
     }
 }
 

@@ -153,3 +153,62 @@ fn samples_lie_in_the_middle_of_what_the_controller_holds() {
     let error = Clock::new(0.0005, 500.0, 120.0).unwrap_err();
     assert!(error.to_string().contains("rate_hz = 120"), "{error}");
 }
+
+/// A motor of 0.5 kg.m2 and a wheel of 2 kg.m2 on a spring of 5000 N.m/rad swing against each
+/// other at sqrt(K (1/J + 1/I)); their momentum stays.
+#[test]
+fn an_elastic_joint_swings_as_two_masses_do() {
+    let (motor, wheel_inertia, stiffness, h) = (0.5, 2.0, 5000.0, 1e-4);
+    let mut mechanism = wheel();
+    mechanism.armature[0] = motor;
+    let spring = crate::effects::Transmission { stiffness, ..Default::default() };
+    mechanism.transmission[0] = Some(spring);
+    let mut plant = Plant::new(&mechanism, h).unwrap();
+    let (mut crossings, mut before) = (Vec::new(), 0.0);
+    for k in 0..10_000 {
+        let push = if k < 200 { 50.0 } else { 0.0 };
+        plant.step(&[push], &[JointLoad::default()]);
+        let wind_up = plant.q()[0] - plant.link_motion()[0][0];
+        let swings = k > 200 && before < 0.0 && wind_up >= 0.0;
+        if swings {
+            crossings.push((k as f64 - wind_up / (wind_up - before)) * h);
+        }
+        before = wind_up;
+    }
+    let swings = (crossings.len() - 1) as f64;
+    let period = (crossings[crossings.len() - 1] - crossings[0]) / swings;
+    let expected =
+        std::f64::consts::TAU / f64::sqrt(stiffness * (1.0 / motor + 1.0 / wheel_inertia));
+    assert!(swings > 10.0 && (period / expected - 1.0).abs() < 1e-3, "{period} {expected}");
+    // 50 N.m over 20 ms: 1 N.m.s for both together, kept for a second.
+    let momentum = motor * plant.v()[0] + wheel_inertia * plant.link_motion()[1][0];
+    assert!((momentum - 1.0).abs() < 1e-6, "{momentum}");
+}
+
+/// 3 mrad of play: a motor that pushes the wheel one way and the other moves alone in between.
+#[test]
+fn a_slack_joint_has_a_dead_zone() {
+    let mut mechanism = wheel();
+    mechanism.armature[0] = 0.5;
+    let slack = crate::effects::Transmission {
+        stiffness: 5000.0,
+        damping: 20.0,
+        gap: 3e-3,
+        ..Default::default()
+    };
+    mechanism.transmission[0] = Some(slack);
+    let mut plant = Plant::new(&mechanism, 1e-4).unwrap();
+    let mut free = 0;
+    let mut wind_up = 0.0;
+    for k in 0..8000 {
+        let push = if k < 4000 { 1.0 } else { -1.0 };
+        plant.step(&[push], &[JointLoad::default()]);
+        wind_up = plant.q()[0] - plant.link_motion()[0][0];
+        // Alone the motor gains 1/0.5 rad/s2, with the wheel 1/2.5.
+        free += usize::from((plant.a()[0].abs() - 2.0).abs() < 1e-4);
+    }
+    assert!(free > 300, "{free} steps without contact");
+    // Pushed back at the end, the load being the wheel's 2/2.5 of the torque.
+    let expected = -(1.5e-3 + 0.8 / 5000.0);
+    assert!((wind_up - expected).abs() < 2e-5, "{wind_up} {expected}");
+}

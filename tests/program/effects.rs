@@ -1,5 +1,8 @@
 //! `armtwin effects`.
 
+use std::fs;
+use std::path::Path;
+
 use armtwin::effects::CATALOGUE;
 
 use crate::armtwin;
@@ -56,4 +59,24 @@ fn an_unknown_effect_is_wrong_usage() {
     let out = armtwin(&["effects", "magic"]);
     assert_eq!(out.code, 2);
     assert!(out.stderr.contains("magic") && out.stderr.contains("stribeck"), "{}", out.stderr);
+}
+
+/// A file that implements an effect is in the list; what is in the list is in the docs.
+#[test]
+fn files_list_and_docs_agree() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let files = fs::read_dir(root.join("src/effects")).unwrap().map(|f| f.unwrap().path());
+    let effects: Vec<String> = files
+        .filter(|f| f.is_file())
+        .filter(|f| fs::read_to_string(f).unwrap().contains("impl Effect for"))
+        .map(|f| f.file_stem().unwrap().to_str().unwrap().to_string())
+        .collect();
+    assert_eq!(effects.len(), CATALOGUE.len());
+    for about in CATALOGUE.iter().map(|e| e.about()) {
+        assert!(effects.iter().any(|e| e == about.name), "{}: file and name differ", about.name);
+    }
+    let docs = fs::read_to_string(root.join("docs/effects.md")).unwrap();
+    let printed = armtwin(&["effects"]).stdout;
+    let cure = "run: (sed '/^```/q' docs/effects.md; armtwin effects; echo '```') > new";
+    assert!(docs.contains(printed.trim_end()), "docs/effects.md is old; {cure}");
 }

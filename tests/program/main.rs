@@ -9,6 +9,7 @@ mod motor;
 mod readme;
 mod recording;
 mod robots;
+mod round_trip;
 mod simulate;
 
 use std::process::Command;
