@@ -283,7 +283,8 @@ mod tests {
         let panel =
             |lines| Panel { title: "t".into(), across: "s", up: "N.m", lines, equal: false };
         let svg = draw(&[panel(vec![line]), panel(vec![])], 2).unwrap();
-        assert_eq!(svg.matches("<polyline").count() % 2, 0, "{svg}");
+        // Two stretches and the legend.
+        assert_eq!(svg.matches("stroke=\"#1F77B4\"").count(), 3, "{svg}");
         assert!(svg.starts_with("<svg") && svg.contains("N.m"));
     }
 }
