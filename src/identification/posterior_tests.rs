@@ -63,7 +63,7 @@ fn a_linear_models_posterior_is_students_t() {
     }
 }
 
-/// Both parameters' 99 % intervals over 150 recordings; white-noise intervals would hold 60 %.
+/// Both parameters' 99 % intervals over 150 recordings.
 #[test]
 fn intervals_hold_their_level_where_noise_remembers() {
     let inside = |seed: u64| {
