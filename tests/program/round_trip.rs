@@ -86,7 +86,9 @@ impl Case {
     }
 
     fn problem(&self, twin: &Twin) -> ArmProblem {
-        let samples = condition_with(&self.run.recording, twin, &Conditioning::default());
+        // A longer guard loses the slow sliding that shows Stribeck friction.
+        let how = Conditioning { guard_s: 0.05, motion_cutoff_hz: 8.0, ..Conditioning::default() };
+        let samples = condition_with(&self.run.recording, twin, &how);
         let terms = Terms::named(self.scenario.effects.keys().map(String::as_str)).unwrap();
         assemble(&samples, twin, &terms, &BTreeMap::new()).unwrap()
     }
