@@ -90,8 +90,14 @@ fn weakest(
     let x = prepared.separable(settings).x;
     let estimates = judge::judge(problem, &x)?;
     let terms = estimates.iter().filter_map(|e| doubt(problem, e, &estimates));
-    // Among equals the last goes: higher powers stand behind lower ones.
-    Ok(terms.filter(|d| d.p > threshold).reduce(|a, b| if b.p >= a.p { b } else { a }))
+    let weak = terms.filter(|d| d.p > threshold);
+    Ok(weak.max_by(|a, b| a.p.total_cmp(&b.p).then(place(&b.term).cmp(&place(&a.term)))))
+}
+
+/// Which of several terms that cannot be told at all goes first.
+fn place(term: &str) -> usize {
+    const ORDER: [&str; 3] = [STRIBECK, "viscous_cubic", "viscous_quadratic"];
+    ORDER.iter().position(|o| *o == term).unwrap_or(ORDER.len())
 }
 
 /// How much the data doubt the term that `estimate` belongs to; `None` for one that stays.
@@ -102,10 +108,17 @@ fn doubt(
 ) -> Option<Dropped> {
     let (term, p, why) = match estimate.name.as_str() {
         "coulomb" | "static" | "stribeck_velocity" => return None,
+        // A lower power stays as long as a higher one (Nelder, J. R. Stat. Soc. A 140, 1977).
+        "viscous" if higher_power(problem) => return None,
         "stribeck_excess" => stribeck_doubt(estimate, all),
         name => (name, estimate.p, estimate.why_not.clone()),
     };
     Some(Dropped { joint: problem.joint, term: term.into(), p, why })
+}
+
+fn higher_power(problem: &JointProblem) -> bool {
+    let names = problem.columns.iter().map(|c| c.parameter.name.as_str());
+    names.into_iter().any(|n| ["viscous_quadratic", "viscous_cubic"].contains(&n))
 }
 
 /// A Stribeck term needs a dip (a positive excess) and a velocity of its own.

@@ -35,6 +35,16 @@ fn a_static_level_below_coulomb_is_no_stribeck_term() {
 }
 
 #[test]
+fn a_viscous_term_outlasts_higher_powers() {
+    let mut problem = testing::problem(3000, 0.3, false);
+    for i in 0..3 {
+        let column = problem.columns[i].values.clone();
+        axpy(-TRUTH[2 + i], &column, &mut problem.y);
+    }
+    assert_eq!(terms(&problem).last().unwrap(), "viscous");
+}
+
+#[test]
 fn without_its_stribeck_term_a_curve_is_coulomb_friction() {
     let mut problem = testing::problem(100, 0.1, false);
     take_out(&mut problem, "stribeck");

@@ -149,8 +149,8 @@ pub struct Summary {
     pub paper: f64,
     /// Of |relative error|, where the truth is not zero.
     pub median_error: Option<f64>,
-    /// Share with a relative error of at most 5 %.
-    pub within_5_percent: Option<f64>,
+    /// Shares with a relative error of at most 5 % and at most 20 %.
+    pub within: Option<[f64; 2]>,
     pub largest_error: Option<f64>,
 }
 
@@ -183,10 +183,13 @@ fn summary(name: &str, rows: &[&Recovered]) -> Summary {
         asymptotic: share(&|r| r.within(r.estimate.asymptotic.low, r.estimate.asymptotic.high)),
         paper: share(&|r| r.within(r.estimate.paper.low, r.estimate.paper.high)),
         median_error: errors.get(errors.len() / 2).copied(),
-        within_5_percent: (!errors.is_empty())
-            .then(|| errors.iter().filter(|e| **e <= 0.05).count() as f64 / errors.len() as f64),
+        within: (!errors.is_empty()).then(|| [0.05, 0.2].map(|most| share_below(&errors, most))),
         largest_error: errors.last().copied(),
     }
+}
+
+fn share_below(errors: &[f64], most: f64) -> f64 {
+    errors.iter().filter(|e| **e <= most).count() as f64 / errors.len() as f64
 }
 
 #[cfg(test)]
