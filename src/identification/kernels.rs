@@ -30,9 +30,16 @@ pub fn axpy(alpha: f64, x: &[f64], y: &mut [f64]) {
     }
 }
 
+/// B'a for several columns, four at a time to read `a` less often.
+pub fn dots(a: &[f64], b: &[&[f64]]) -> Vec<f64> {
+    let (fours, rest) = b.as_chunks::<4>();
+    let fours = fours.iter().flat_map(|four| dot4(a, four));
+    fours.chain(rest.iter().map(|column| dot(a, column))).collect()
+}
+
 /// One column against four: `[a . b[0], .., a . b[3]]`, reading `a` once.
 #[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2", "aarch64+neon"))]
-pub fn dot4(a: &[f64], b: [&[f64]; 4]) -> [f64; 4] {
+fn dot4(a: &[f64], b: &[&[f64]; 4]) -> [f64; 4] {
     let mut lanes = [[0.0; LANES]; 4];
     let (head, tail) = a.as_chunks::<LANES>();
     let heads = b.map(|c| c.as_chunks::<LANES>().0);
@@ -49,6 +56,25 @@ pub fn dot4(a: &[f64], b: [&[f64]; 4]) -> [f64; 4] {
         let rest: f64 = tail.iter().zip(&b[k][start..]).map(|(x, y)| x * y).sum();
         lanes[k].iter().sum::<f64>() + rest
     })
+}
+
+/// Samples whose intermediate results stay in the cache.
+const CACHED: usize = 512;
+
+/// `[r . y, r . r]` of r = a - B x, which is never stored as a whole.
+pub fn dots_of_rest(a: &[f64], b: &[&[f64]], x: &[f64], y: &[f64]) -> [f64; 2] {
+    let (mut with_y, mut square) = (0.0, 0.0);
+    let mut buffer = [0.0; CACHED];
+    for (i, (a, y)) in a.chunks(CACHED).zip(y.chunks(CACHED)).enumerate() {
+        let r = &mut buffer[..a.len()];
+        r.copy_from_slice(a);
+        for (column, x) in b.iter().zip(x) {
+            axpy(-x, &column[i * CACHED..][..r.len()], r);
+        }
+        with_y += dot(r, y);
+        square += dot(r, r);
+    }
+    [with_y, square]
 }
 
 /// sign(speed) exp(-|speed| / scale), the Stribeck column of the paper's Eq. 1; zero at rest.
@@ -123,8 +149,20 @@ mod tests {
             let b: Vec<f64> = (0..n).map(|i| 2.0 - f64::from(i)).collect();
             let plain: f64 = a.iter().zip(&b).map(|(x, y)| x * y).sum();
             assert_eq!(dot(&a, &b), plain, "{n} values");
-            assert_eq!(dot4(&a, [&b, &a, &b, &a])[2], plain, "{n} values");
+            assert_eq!(dots(&a, &[&b, &a, &b, &a, &b])[2..5], [plain, dot(&a, &a), plain]);
         }
+    }
+
+    #[test]
+    fn dots_of_the_rest_agree_with_the_rest_written_out() {
+        let wave = |f: f64| (0..1300).map(|i| (f * f64::from(i)).sin()).collect::<Vec<f64>>();
+        let (a, b, c, y) = (wave(0.1), wave(0.2), wave(0.3), wave(0.15));
+        let mut rest = a.clone();
+        axpy(-0.5, &b, &mut rest);
+        axpy(2.0, &c, &mut rest);
+        let [with_y, square] = dots_of_rest(&a, &[&b, &c], &[0.5, -2.0], &y);
+        assert!((with_y - dot(&rest, &y)).abs() < 1e-10);
+        assert!((square - dot(&rest, &rest)).abs() < 1e-10);
     }
 
     #[test]

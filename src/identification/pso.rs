@@ -13,6 +13,7 @@
 //! All particles of an iteration see the same gBest, and random numbers are drawn in one order
 //! by one generator: the outcome does not depend on the number of threads.
 
+use multiversion::multiversion;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -80,6 +81,34 @@ struct Swarm {
     cost: f64,
 }
 
+/// What limits each coordinate of each particle: the box, and the largest velocity.
+struct Limits {
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    velocity: Vec<f64>,
+}
+
+impl Limits {
+    fn new(bounds: &Bounds, particles: usize, velocity_share: f64) -> Self {
+        let everywhere = |f: &dyn Fn(usize) -> f64| {
+            (0..bounds.len()).map(f).collect::<Vec<f64>>().repeat(particles)
+        };
+        Self {
+            lower: everywhere(&|i| bounds.lower(i)),
+            upper: everywhere(&|i| bounds.upper(i)),
+            velocity: everywhere(&|i| velocity_share * bounds.span(i)),
+        }
+    }
+}
+
+/// What one iteration adds to the velocities: inertia, and random pulls.
+struct Pulls {
+    inertia: f64,
+    /// d1 rnd1, d2 rnd2
+    own: Vec<f64>,
+    swarm: Vec<f64>,
+}
+
 /// Minimises `cost` within finite `bounds`; a cost that is not finite is never a best one.
 pub fn minimise(
     cost: impl Fn(&[f64]) -> f64 + Sync,
@@ -92,9 +121,16 @@ pub fn minimise(
     let mut swarm = Swarm::scattered(bounds, particles, &mut rng);
     let mut costs = vec![f64::INFINITY; particles];
     swarm.evaluate(&cost, settings.parallel, &mut costs);
+    let limits = Limits::new(bounds, particles, settings.velocity_share);
+    let zeros = vec![0.0; particles * bounds.len()];
+    let mut pulls = Pulls { inertia: 0.0, own: zeros.clone(), swarm: zeros };
     for k in 0..settings.iterations {
-        let inertia = inertia_weight(settings, k);
-        swarm.advance(bounds, settings, inertia, &mut rng);
+        pulls.inertia = inertia_weight(settings, k);
+        for (own, swarm) in pulls.own.iter_mut().zip(&mut pulls.swarm) {
+            *own = settings.own_pull * rng.random::<f64>();
+            *swarm = settings.swarm_pull * rng.random::<f64>();
+        }
+        swarm.advance(&limits, &pulls);
         swarm.evaluate(&cost, settings.parallel, &mut costs);
     }
     let stop = if swarm.cost.is_finite() { Stop::Iterations } else { Stop::NoFiniteCost };
@@ -157,28 +193,34 @@ impl Swarm {
     }
 
     /// Eqs. 2 and 4 for every particle.
-    fn advance(
-        &mut self,
-        bounds: &Bounds,
-        settings: &Settings,
-        inertia: f64,
-        rng: &mut ChaCha8Rng,
-    ) {
-        let n = self.dimension;
-        let particles = self.position.chunks_exact_mut(n).zip(self.velocity.chunks_exact_mut(n));
-        for ((position, velocity), own) in particles.zip(self.own_best.chunks_exact(n)) {
-            for d in 0..n {
-                let (own_pull, swarm_pull) = (
-                    settings.own_pull * rng.random::<f64>() * (own[d] - position[d]),
-                    settings.swarm_pull * rng.random::<f64>() * (self.best[d] - position[d]),
-                );
-                let limit = settings.velocity_share * bounds.span(d);
-                let v = (inertia * velocity[d] + own_pull + swarm_pull).clamp(-limit, limit);
-                let x = position[d] + v;
-                position[d] = bounds.clamp(d, x);
-                velocity[d] = if position[d] == x { v } else { -0.5 * v };
-            }
-        }
+    fn advance(&mut self, limits: &Limits, pulls: &Pulls) {
+        let best = self.best.repeat(self.own_cost.len());
+        fly(&mut self.position, &mut self.velocity, [&self.own_best, &best], limits, pulls);
+    }
+}
+
+/// One step of all coordinates, towards the own and the swarm's best positions.
+#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2", "aarch64+neon"))]
+fn fly(
+    position: &mut [f64],
+    velocity: &mut [f64],
+    [own, best]: [&[f64]; 2],
+    limits: &Limits,
+    pulls: &Pulls,
+) {
+    let n = position.len();
+    let (velocity, own, best) = (&mut velocity[..n], &own[..n], &best[..n]);
+    let (lower, upper) = (&limits.lower[..n], &limits.upper[..n]);
+    let (fastest, own_pull, swarm_pull) =
+        (&limits.velocity[..n], &pulls.own[..n], &pulls.swarm[..n]);
+    for i in 0..n {
+        let x = position[i];
+        let v = pulls.inertia * velocity[i]
+            + own_pull[i] * (own[i] - x)
+            + swarm_pull[i] * (best[i] - x);
+        let v = v.max(-fastest[i]).min(fastest[i]);
+        position[i] = (x + v).max(lower[i]).min(upper[i]);
+        velocity[i] = if position[i] == x + v { v } else { -0.5 * v };
     }
 }
 

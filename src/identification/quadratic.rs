@@ -6,24 +6,24 @@
 //! h = Q'g,  g_ = g - Q h,  v = g_'g_,  u = g_'y_,  y_ = y - Q Q'y
 //!
 //! where b holds T_c and the other linear parameters. Everything that sums over samples is
-//! constant or a smooth function of w_s alone, so it is summed once, at Chebyshev nodes in
-//! ln w_s, and interpolated to machine precision. Centring on the residual y_ keeps the large
+//! constant or a smooth function of w_s alone (h, u and v), so it is summed once, at Chebyshev
+//! nodes in ln w_s, and interpolated to machine precision. Centring on the residual y_ keeps the large
 //! sums y'y and F'F, which nearly cancel, out of the result.
 //!
-//! exp(-|w| / w_s) is analytic in ln w_s and bounded within pi/2 of the real axis, which tells
-//! how many nodes are enough.
+//! exp(-|w| / w_s) is analytic in ln w_s and bounded within pi/2 of the real axis, and so are sums
+//! of products of two of them: that tells how many nodes are enough.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::bounds::Bounds;
 use super::chebyshev;
-use super::kernels::{axpy, dot, dot4};
+use super::kernels::{axpy, dot, dots, dots_of_rest};
 use super::problem::{Curve, JointProblem};
 use super::qr::{Qr, back_substitute, project_out};
 use super::tables::Tables;
 
 /// Accuracy of the interpolants relative to the largest value.
-const ACCURACY: f64 = 1e-14;
+const ACCURACY: f64 = 1e-16;
 
 #[derive(Debug, Clone)]
 pub struct QuadraticCost {
@@ -181,78 +181,38 @@ impl QuadraticCost {
     }
 }
 
-/// Sums over samples at Chebyshev nodes in ln w_s, then tables of h, u and v.
+/// h, u and v at Chebyshev nodes in ln w_s, then tables of them.
 fn tabulate(curve: &Curve, qr: &Qr, left: &[f64]) -> Tables {
     let (low, high) = Tables::covered(curve.velocity.lower, curve.velocity.upper);
     let (middle, half) = (0.5 * (high * low).ln(), 0.5 * (high / low).ln());
     let count = chebyshev::nodes_needed(std::f64::consts::FRAC_PI_2, half, ACCURACY);
-    let sums = Sums::new(curve, qr, left, middle, half, count);
+    let nodes = chebyshev::nodes(count);
+    let velocities: Vec<f64> = nodes.iter().map(|node| (middle + half * node).exp()).collect();
+    let at_nodes = sums(curve, qr, left, &velocities);
     let lagrange = chebyshev::Lagrange::new(count);
-    Tables::new(low, high, qr.q.len() + 2, |velocity| {
-        sums.at(&lagrange.at((velocity.ln() - middle) / half))
+    let functions = qr.q.len() + 2;
+    Tables::new(low, high, functions, |velocity| {
+        let mut values = vec![0.0; functions];
+        let weights = lagrange.at((velocity.ln() - middle) / half);
+        weights.iter().zip(&at_nodes).for_each(|(w, node)| axpy(*w, node, &mut values));
+        values[functions - 1] = values[functions - 1].max(0.0);
+        values
     })
 }
 
-/// h and u at the nodes, and the products of all g_ with each other.
-struct Sums {
-    h: Vec<Vec<f64>>,
-    u: Vec<f64>,
-    products: Vec<Vec<f64>>,
-}
+/// Stribeck columns made at once: as many as filters run on side by side.
+const TOGETHER: usize = 8;
 
-impl Sums {
-    fn new(curve: &Curve, qr: &Qr, left: &[f64], middle: f64, half: f64, count: usize) -> Self {
-        let nodes = chebyshev::nodes(count);
-        let velocities: Vec<f64> = nodes.iter().map(|node| (middle + half * node).exp()).collect();
-        let mut across = curve.columns(&velocities);
-        let h = across.iter_mut().map(|g| project_once(&qr.q, g)).collect();
-        let u = across.iter().map(|g| dot(g, left)).collect();
-        Self { h, u, products: products(&across) }
-    }
-
-    /// `[h .., u, v]` for given Lagrange weights.
-    fn at(&self, weights: &[f64]) -> Vec<f64> {
-        let n = self.h.first().map_or(0, Vec::len);
-        let mut out = vec![0.0; n + 2];
-        for (w, (h, u)) in weights.iter().zip(self.h.iter().zip(&self.u)) {
-            axpy(*w, h, &mut out[..n]);
-            out[n] += w * u;
-        }
-        let square: f64 =
-            weights.iter().zip(&self.products).map(|(w, p)| w * dot(weights, p)).sum();
-        out[n + 1] = square.max(0.0);
-        out
-    }
-}
-
-fn project_once(orthonormal: &[Vec<f64>], column: &mut [f64]) -> Vec<f64> {
-    let h: Vec<f64> = orthonormal.iter().map(|q| dot(q, column)).collect();
-    h.iter().zip(orthonormal).for_each(|(h, q)| axpy(-h, q, column));
-    h
-}
-
-/// Samples whose columns stay in the cache while they are multiplied with each other.
-const CACHED: usize = 512;
-
-/// Dot products of all columns with each other.
-fn products(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let n = columns.len();
-    let mut out = vec![vec![0.0; n]; n];
-    let samples = columns.first().map_or(0, Vec::len);
-    for from in (0..samples).step_by(CACHED) {
-        let part = |k: usize| &columns[k][from..(from + CACHED).min(samples)];
-        for (i, row) in out.iter_mut().enumerate() {
-            for j in (0..=i).step_by(4) {
-                let four = dot4(part(i), std::array::from_fn(|k| part((j + k).min(i))));
-                let wanted = (i + 1 - j).min(4);
-                row[j..j + wanted].iter_mut().zip(four).for_each(|(o, v)| *o += v);
-            }
-        }
-    }
-    for (i, j) in (0..n).flat_map(|i| (0..i).map(move |j| (i, j))) {
-        out[j][i] = out[i][j];
-    }
-    out
+/// `[h .., u, v]` at each of the velocities.
+fn sums(curve: &Curve, qr: &Qr, left: &[f64], velocities: &[f64]) -> Vec<Vec<f64>> {
+    let q: Vec<&[f64]> = qr.q.iter().map(Vec::as_slice).collect();
+    let of_column = |g: &Vec<f64>| {
+        let mut values = dots(g, &q);
+        values.extend(dots_of_rest(g, &q, &values, left));
+        values
+    };
+    let groups = velocities.chunks(TOGETHER).map(|some| curve.columns(some));
+    groups.flat_map(|columns| columns.iter().map(of_column).collect::<Vec<_>>()).collect()
 }
 
 #[cfg(test)]

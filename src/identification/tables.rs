@@ -4,6 +4,8 @@
 //! in the argument itself. A function of 1/w that is bounded in the right half-plane is bounded
 //! 8 half-widths from the middle of each piece, so 14 terms (rho = 16) leave 1e-16.
 
+use multiversion::multiversion;
+
 use super::chebyshev;
 
 /// Functions evaluated side by side, padded to whole blocks.
@@ -92,6 +94,7 @@ fn series(piece: &Piece, functions: usize, f: &impl Fn(f64) -> Vec<f64>) -> Vec<
 }
 
 /// sum c_j T_j(t) for `BLOCK` series at once (Clenshaw's recurrence).
+#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2", "aarch64+neon"))]
 fn clenshaw(series: &[[f64; BLOCK]], t: f64) -> [f64; BLOCK] {
     let (mut b1, mut b2) = ([0.0; BLOCK], [0.0; BLOCK]);
     let twice = 2.0 * t;
