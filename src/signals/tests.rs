@@ -316,7 +316,7 @@ fn a_real_recording_is_conditioned_as_its_description_says() {
     assert!((moving as f64 * samples.dt - 60.7).abs() < 0.5);
     let top = |j| samples.qd.joint(j).iter().fold(0.0f64, |m, v| m.max(v.abs()));
     for (j, expected) in [1.06, 1.06, 1.06, 0.92, 1.02, 1.10].into_iter().enumerate() {
-        assert!((top(j) - expected).abs() < 0.05, "joint {}: {}", j + 1, top(j));
+        assert!((top(j) - expected).abs() < 0.1, "joint {}: {}", j + 1, top(j));
         let still = samples.sliding(j).iter().filter(|s| !**s).count();
         let share = still as f64 / samples.len() as f64;
         assert!((0.48..0.90).contains(&share), "joint {}: {share}", j + 1);

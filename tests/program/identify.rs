@@ -54,7 +54,10 @@ fn a_real_ur5_is_explained_on_a_recording_that_was_not_fitted() {
 
 #[test]
 fn without_rotor_inertia_the_big_joints_are_explained_worse() {
-    let Some(document) = identify(&["--method", "nlse", "--terms", "paper,offset"]) else { return };
+    // Every sliding sample, as where .93 .95 .93 was measured: a guard around standstill leaves out
+    // reversals, where the arm accelerates most.
+    let more = ["--method", "nlse", "--terms", "paper,offset", "--guard", "0"];
+    let Some(document) = identify(&more) else { return };
     for (r2, expected) in check_r2(&document, 0).iter().zip([0.93, 0.95, 0.93]) {
         assert!((r2 - expected).abs() < 0.02, "{r2} instead of about {expected}");
     }
