@@ -68,11 +68,6 @@ impl Effect for Backlash {
         &ABOUT
     }
 
-    fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
-        let all = self.reach(motion, joint, nonlinear);
-        all.iter().map(|series| series.joint(joint).to_vec()).collect()
-    }
-
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
         let [stiffness, damping, gap] = *nonlinear else { return vec![] };
         let slack = Transmission { stiffness, damping, gap, ..Transmission::default() };

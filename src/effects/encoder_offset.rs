@@ -34,11 +34,6 @@ impl Effect for EncoderOffset {
         &ABOUT
     }
 
-    fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
-        let all = self.reach(motion, joint, nonlinear);
-        all.iter().map(|series| series.joint(joint).to_vec()).collect()
-    }
-
     fn reach(&self, motion: &Motion<'_>, from: usize, _: &[f64]) -> Vec<JointSeries> {
         let shifted = |by: f64| {
             let mut q = motion.q.clone();

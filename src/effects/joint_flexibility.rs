@@ -89,11 +89,6 @@ impl Effect for JointFlexibility {
         &ABOUT
     }
 
-    fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
-        let all = self.reach(motion, joint, nonlinear);
-        all.iter().map(|series| series.joint(joint).to_vec()).collect()
-    }
-
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
         let [hardening, damping, _, _, reference] = *nonlinear else { return vec![] };
         let stiffness = 1.0 / reference;

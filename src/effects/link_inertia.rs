@@ -70,11 +70,6 @@ impl Effect for LinkInertia {
         &ABOUT
     }
 
-    fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
-        let all = self.reach(motion, joint, nonlinear);
-        all.iter().map(|series| series.joint(joint).to_vec()).collect()
-    }
-
     fn reach(&self, motion: &Motion<'_>, from: usize, _: &[f64]) -> Vec<JointSeries> {
         let Motion { robot, q, qd, qdd, .. } = motion;
         let body = body_regressor_series(robot, q, qd, qdd, from);

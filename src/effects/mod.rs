@@ -146,8 +146,14 @@ pub trait Effect: Sync {
     /// Explain: N.m at `joint` per unit of each linear parameter, one column of
     /// `motion.samples()` values per linear parameter, for given nonlinear parameters.
     /// Of an effect on the whole arm every joint has its columns, the parameters are shared.
-    fn columns(&self, _motion: &Motion<'_>, _joint: usize, _nonlinear: &[f64]) -> Vec<Vec<f64>> {
-        Vec::new()
+    /// An effect of [`Scope::Link`] implements [`reach`](Effect::reach) instead: its columns are
+    /// what of that falls on its own joint.
+    fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
+        if self.about().scope != Scope::Link {
+            return Vec::new();
+        }
+        let all = self.reach(motion, joint, nonlinear);
+        all.iter().map(|series| series.joint(joint).to_vec()).collect()
     }
 
     /// Explain an effect of [`Scope::Link`]: N.m at every joint per unit of each linear parameter
