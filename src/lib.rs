@@ -15,6 +15,7 @@
 
 pub mod case_studies;
 pub mod cli;
+pub mod diagnosis;
 pub mod effects;
 pub mod files;
 pub mod identification;

@@ -29,6 +29,7 @@ mod payload;
 mod presliding;
 mod quantisation;
 mod rotor_inertia;
+mod starts;
 mod state;
 mod stribeck;
 mod temperature_friction;
@@ -166,6 +167,17 @@ pub trait Effect: Sync {
         };
         self.columns(motion, from, nonlinear).into_iter().map(alone).collect()
     }
+
+    /// Explain: where a search for the nonlinear parameters at `joint` begins, one row of all of
+    /// them per start; one of them should lie in the basin of the truth. What differs between
+    /// rows is then refined within its bounds, what is the same in all stays.
+    fn starts(&self, _motion: &Motion<'_>, _joint: usize) -> Vec<Vec<f64>> {
+        starts::spread(self.about().parameters)
+    }
+
+    /// Explain: where columns hold only near a reference that follows from the linear parameters
+    /// (a gap, a compliance), sets that reference. The columns are then worked out again.
+    fn settle(&self, _linear: &[f64], _nonlinear: &mut [f64]) {}
 
     /// Explain: undoes on one joint's conditioned channels what [`measure`](Effect::measure) did
     /// to them, for given values of all parameters, so that motion and torque belong together.

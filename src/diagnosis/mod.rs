@@ -1,0 +1,61 @@
+//! The sim-to-real gap: where it lies, which effect causes it, how far it shrinks.
+
+mod answer;
+
+pub use answer::{
+    Cause, Checked, Diagnosis, Gap, JointGap, JointShrink, Leftover, Named, Ranked, Regime,
+    Rejected, Shrink, SimulationShrink, TorqueShrink, Untestable, Value, Verdict,
+};
+
+use crate::signals::Samples;
+use crate::twin::Twin;
+
+/// Choices of a diagnosis; echoed in every output.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Settings {
+    /// Effects taken out of the catalogue.
+    pub without: Vec<String>,
+    /// Of surrogates and bootstraps.
+    pub seed: u64,
+    /// Searches repeated on surrogate gaps.
+    pub surrogates: usize,
+    /// How well the twin's link masses are known, relative; 0 takes them for exact.
+    pub mass_error: f64,
+    /// How well their centres are known, m.
+    pub centre_error_m: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            without: Vec::new(),
+            seed: 1,
+            surrogates: 39,
+            mass_error: 0.05,
+            centre_error_m: 0.005,
+        }
+    }
+}
+
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnosisError {
+    #[error(transparent)]
+    Signals(#[from] crate::signals::SignalError),
+    #[error("{0}")]
+    Recording(String),
+}
+
+/// Fits on `fit`, judges on `check`. `twin` is what is known of the arm; effects it lists without
+/// values are fitted along and are no gap.
+///
+/// # Errors
+/// If a recording has too few sliding samples to fit the twin.
+pub fn diagnose(
+    _twin: &Twin,
+    _fit: &Samples,
+    _check: &Samples,
+    _settings: &Settings,
+) -> Result<Diagnosis, DiagnosisError> {
+    Err(DiagnosisError::Recording("the search is being written".into()))
+}
