@@ -1,11 +1,16 @@
 //! The sim-to-real gap: where it lies, which effect causes it, how far it shrinks.
 
 mod answer;
+mod floor;
+mod repeats;
+#[cfg(test)]
+mod testing;
 
 pub use answer::{
     Cause, Checked, Diagnosis, Gap, JointGap, JointShrink, Leftover, Named, Ranked, Regime,
     Rejected, Shrink, SimulationShrink, TorqueShrink, Untestable, Value, Verdict,
 };
+pub use floor::{Floor, FloorFrom, noise_floor};
 
 use crate::signals::Samples;
 use crate::twin::Twin;

@@ -1,0 +1,250 @@
+//! The noise floor: what recorded torque would differ by from a perfect twin's.
+
+use rayon::prelude::*;
+
+use super::repeats::cycle;
+use crate::robot::{Workspace, mass_matrix};
+use crate::series::JointSeries;
+use crate::signals::{
+    Derivatives, LowPass, Samples, SavitzkyGolay, central_difference, mean_difference,
+    second_difference,
+};
+use crate::statistics::noise_from_periodogram;
+use crate::twin::Twin;
+
+/// Root mean square of a joint's torque noise after the torque low-pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Floor {
+    /// N.m
+    pub noise_nm: f64,
+    pub from: FloorFrom,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FloorFrom {
+    /// Cycles of the recording held against each other: all that does not repeat.
+    Repeats,
+    /// The spectrum where nothing moves, taken for white: slower noise and drift are not in it.
+    Estimate,
+}
+
+impl FloorFrom {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Repeats => "repeats",
+            Self::Estimate => "estimate",
+        }
+    }
+}
+
+/// Sliding samples two cycles must share.
+const FEWEST_PAIRS: usize = 200;
+/// Of the Nyquist frequency: where current holds noise and no motion; beyond, interpolation damps.
+const QUIET: [f64; 2] = [0.5, 0.9];
+/// Of the motion's low-pass: where position holds more noise than motion, not yet damped.
+const PASSED: [f64; 2] = [0.5, 0.75];
+/// Poses the mass matrix is averaged over.
+const POSES: usize = 64;
+
+/// One per joint, on the torque as a regression uses it. From repeats where the motion comes again,
+/// else estimated.
+pub fn noise_floor(samples: &Samples, twin: &Twin) -> Vec<Floor> {
+    let filter = samples.torque_filter().ok().flatten();
+    let estimated = estimate(samples, twin, filter.as_ref());
+    let repeated = match cycle(samples) {
+        Some(lag) => repeats(samples, twin, filter.as_ref(), lag),
+        None => vec![None; samples.joints()],
+    };
+    let best = |(repeat, noise_nm): (Option<f64>, f64)| match repeat {
+        Some(noise_nm) => Floor { noise_nm, from: FloorFrom::Repeats },
+        None => Floor { noise_nm, from: FloorFrom::Estimate },
+    };
+    repeated.into_iter().zip(estimated).map(best).collect()
+}
+
+/// Half the mean squared change from cycle to cycle of the torque less the twin's (which takes off
+/// what the motions differ by); `None` for joints that slide too little.
+fn repeats(
+    samples: &Samples,
+    twin: &Twin,
+    filter: Option<&LowPass>,
+    lag: usize,
+) -> Vec<Option<f64>> {
+    let known = twin.torque(&twin.motion(samples));
+    let of_joint = |j: usize| {
+        let torque = samples.torque.joint(j).iter().zip(known.joint(j));
+        let mut left: Vec<f64> = torque.map(|(t, k)| t - k).collect();
+        filter.iter().for_each(|f| f.apply(&mut left));
+        let (slides, qd) = (samples.mask(j), samples.qd.joint(j));
+        let alike = |k: &usize| slides[*k] && slides[k + lag] && qd[*k] * qd[k + lag] > 0.0;
+        let pairs: Vec<usize> = (0..left.len().saturating_sub(lag)).filter(alike).collect();
+        let change: f64 = pairs.iter().map(|&k| (left[k + lag] - left[k]).powi(2)).sum();
+        (pairs.len() >= FEWEST_PAIRS).then(|| (0.5 * change / pairs.len() as f64).sqrt())
+    };
+    (0..samples.joints()).map(of_joint).collect()
+}
+
+/// White noise of the torque channel through the torque filter, and of the position through
+/// differentiation, inertia and the same filter:
+/// sigma_i^2 = g_tau s_i^2 + g_qdd sum_j <(M_ij + Ja_i d_ij)^2> p_j^2.
+fn estimate(samples: &Samples, twin: &Twin, filter: Option<&LowPass>) -> Vec<f64> {
+    let nyquist = 0.5 * samples.rate_hz();
+    let quiet = QUIET[0] * nyquist..QUIET[1] * nyquist;
+    let motion = match samples.conditioning.motion_cutoff_hz {
+        0.0 => quiet.clone(),
+        cutoff => PASSED[0] * cutoff..(PASSED[1] * cutoff).min(QUIET[1] * nyquist),
+    };
+    let source = if from_velocity(samples) { &samples.qd } else { &samples.q };
+    let spread = |(series, band): (&JointSeries, &std::ops::Range<f64>)| -> Vec<f64> {
+        let of = |j| noise_from_periodogram(series.joint(j), samples.rate_hz(), band.clone());
+        let finite = |sigma: f64| if sigma.is_finite() { sigma } else { 0.0 };
+        (0..samples.joints()).into_par_iter().map(of).map(finite).collect()
+    };
+    let [torque, position] = [(&samples.torque, &quiet), (source, &motion)].map(spread);
+    let (g_tau, g_qdd) = (gain(filter, |x| x), gain(filter, |x| differentiated(samples, x)));
+    let inertia = squared_inertia(samples, twin);
+    let of_joint = |i: usize| {
+        let carried = inertia[i].iter().zip(&position).map(|(m, p)| m * p * p);
+        (g_tau * torque[i].powi(2) + g_qdd * carried.sum::<f64>()).sqrt()
+    };
+    (0..samples.joints()).map(of_joint).collect()
+}
+
+/// Is the acceleration made from the recorded velocity?
+fn from_velocity(samples: &Samples) -> bool {
+    matches!(samples.conditioning.derivatives, Derivatives::Recorded | Derivatives::Paper)
+}
+
+/// What unit white noise comes to, as variance, after `treat` and the torque filter: the sum of
+/// squares of the response to an impulse.
+fn gain(filter: Option<&LowPass>, treat: impl Fn(Vec<f64>) -> Vec<f64>) -> f64 {
+    const LENGTH: usize = 2001;
+    let mut impulse = vec![0.0; LENGTH];
+    impulse[LENGTH / 2] = 1.0;
+    let mut response = treat(impulse);
+    filter.iter().for_each(|f| f.apply(&mut response));
+    response.iter().map(|r| r * r).sum()
+}
+
+/// Acceleration from a recorded position (or velocity), as conditioning makes it.
+fn differentiated(samples: &Samples, mut x: Vec<f64>) -> Vec<f64> {
+    let (how, dt) = (&samples.conditioning, samples.dt);
+    let cutoff = how.motion_cutoff_hz;
+    let low_passed = |x: &mut Vec<f64>| {
+        let filter = LowPass::if_wanted(cutoff, 1.0 / dt, how.filter_order).ok().flatten();
+        filter.iter().for_each(|f| f.apply(x));
+    };
+    match how.derivatives {
+        Derivatives::Position => {
+            low_passed(&mut x);
+            second_difference(&x, dt)
+        }
+        Derivatives::TrackingError => {
+            let cutoff = if cutoff > 0.0 { cutoff } else { 0.4 / dt };
+            SavitzkyGolay::with_cutoff(cutoff, 1.0 / dt, 4).apply(&x, 2)
+        }
+        Derivatives::Recorded => {
+            low_passed(&mut x);
+            central_difference(&x, dt)
+        }
+        Derivatives::Paper => mean_difference(&x, dt),
+    }
+}
+
+/// Mean over the poses of the recording of the squared mass matrix with rotor inertias, kg2.m4.
+fn squared_inertia(samples: &Samples, twin: &Twin) -> Vec<Vec<f64>> {
+    let dof = samples.joints();
+    let mut mean = vec![vec![0.0; dof]; dof];
+    let mut workspace = Workspace::new(&twin.robot);
+    let mut q = vec![0.0; dof];
+    let poses: Vec<usize> = (0..samples.len()).step_by((samples.len() / POSES).max(1)).collect();
+    for &k in &poses {
+        samples.q.sample_into(k, &mut q);
+        let m = mass_matrix(&twin.robot, &mut workspace, &q);
+        for (i, row) in mean.iter_mut().enumerate() {
+            for (j, sum) in row.iter_mut().enumerate() {
+                let rotor = if i == j { rotor_inertia(twin, i) } else { 0.0 };
+                *sum += (m[(i, j)] + rotor).powi(2) / poses.len() as f64;
+            }
+        }
+    }
+    mean
+}
+
+fn rotor_inertia(twin: &Twin, joint: usize) -> f64 {
+    let given = twin.values.get("rotor_inertia").unwrap_or(&twin.drive.rotor_inertia);
+    given.get(joint).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    use super::*;
+    use crate::diagnosis::testing::samples;
+    use crate::signals::Conditioning;
+
+    const SIGMA_NM: f64 = 2.0;
+
+    /// The default arm moving by sines of `second` cycles beside one in 8 s, its torque noisy.
+    fn moving(second: f64) -> Samples {
+        let mut made = samples(6, 6000, |j, t| {
+            0.8 * (TAU * t / 8.0 + j as f64).sin() + 0.3 * (second * TAU * t / 8.0).sin()
+        });
+        let twin = Twin::default();
+        made.torque = twin.torque(&twin.motion(&made));
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let noise = Normal::new(0.0, SIGMA_NM).unwrap();
+        made.torque = made
+            .torque
+            .map_joints(|_, tau| tau.iter().map(|t| t + noise.sample(&mut rng)).collect());
+        made
+    }
+
+    /// White noise through the zero-phase low-pass: sigma sqrt(2 integral of |H|^4 df / f_s).
+    fn expected(samples: &Samples) -> f64 {
+        let Conditioning { torque_cutoff_hz: cutoff, filter_order: order, .. } =
+            samples.conditioning;
+        let h4 = |f: f64| {
+            let warped = |f: f64| (std::f64::consts::PI * f / samples.rate_hz()).tan();
+            (1.0 + (warped(f) / warped(cutoff)).powi(2 * order as i32)).powi(-2)
+        };
+        let nyquist = 0.5 * samples.rate_hz();
+        let integral: f64 = (0..10_000).map(|i| h4((i as f64 + 0.5) * nyquist / 1e4)).sum();
+        SIGMA_NM * (integral / 1e4).sqrt()
+    }
+
+    #[test]
+    fn repeats_give_the_noise_that_is_there() {
+        let made = moving(2.0);
+        for floor in noise_floor(&made, &Twin::default()) {
+            assert_eq!(floor.from, FloorFrom::Repeats);
+            assert!((floor.noise_nm / expected(&made) - 1.0).abs() < 0.1, "{floor:?}");
+        }
+    }
+
+    #[test]
+    fn without_repeats_the_spectrum_gives_it() {
+        let made = moving(2.3);
+        for floor in noise_floor(&made, &Twin::default()) {
+            assert_eq!(floor.from, FloorFrom::Estimate);
+            assert!((floor.noise_nm / expected(&made) - 1.0).abs() < 0.1, "{floor:?}");
+        }
+    }
+
+    /// A gap that repeats with the motion is no noise.
+    #[test]
+    fn what_the_twin_lacks_does_not_raise_the_floor() {
+        let mut made = moving(2.0);
+        let friction = made.qd.map_joints(|_, qd| qd.iter().map(|w| 5.0 * w.signum()).collect());
+        made.torque = made
+            .torque
+            .map_joints(|j, tau| tau.iter().zip(friction.joint(j)).map(|(t, f)| t + f).collect());
+        let floor = noise_floor(&made, &Twin::default());
+        assert!(floor.iter().all(|f| f.noise_nm < 1.1 * expected(&made)), "{floor:?}");
+    }
+}
