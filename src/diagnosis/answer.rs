@@ -1,5 +1,7 @@
 //! What a diagnosis says: the shape of `diagnosis.json`.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 /// In one word.
@@ -35,6 +37,9 @@ pub struct Diagnosis {
     /// What is left when all causes are taken off.
     pub leftover: Leftover,
     pub next_experiment: String,
+    /// Values of what the twin lists without values, fitted with the causes: one per joint (one in
+    /// all for the whole arm), by parameter name.
+    pub fitted: BTreeMap<String, Vec<f64>>,
     /// What was noticed on the way, for people.
     pub notes: Vec<String>,
 }
@@ -72,7 +77,9 @@ pub struct Regime {
     pub rms_nm: f64,
     pub low_nm: f64,
     pub high_nm: f64,
-    /// Of the usable time.
+    /// The joint's; of a band of frequencies what white noise has there, N.m.
+    pub noise_floor_nm: f64,
+    /// Of the time the joint slides.
     pub time_fraction: f64,
 }
 

@@ -101,7 +101,8 @@ fn estimate(samples: &Samples, twin: &Twin, filter: Option<&LowPass>) -> Vec<f64
         (0..samples.joints()).into_par_iter().map(of).map(finite).collect()
     };
     let [torque, position] = [(&samples.torque, &quiet), (source, &motion)].map(spread);
-    let (g_tau, g_qdd) = (gain(filter, |x| x), gain(filter, |x| differentiated(samples, x)));
+    let (g_tau, g_qdd) =
+        (noise_gain(filter, |x| x), noise_gain(filter, |x| differentiated(samples, x)));
     let inertia = squared_inertia(samples, twin);
     let of_joint = |i: usize| {
         let carried = inertia[i].iter().zip(&position).map(|(m, p)| m * p * p);
@@ -117,7 +118,7 @@ fn from_velocity(samples: &Samples) -> bool {
 
 /// What unit white noise comes to, as variance, after `treat` and the torque filter: the sum of
 /// squares of the response to an impulse.
-fn gain(filter: Option<&LowPass>, treat: impl Fn(Vec<f64>) -> Vec<f64>) -> f64 {
+pub(super) fn noise_gain(filter: Option<&LowPass>, treat: impl Fn(Vec<f64>) -> Vec<f64>) -> f64 {
     const LENGTH: usize = 2001;
     let mut impulse = vec![0.0; LENGTH];
     impulse[LENGTH / 2] = 1.0;

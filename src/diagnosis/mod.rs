@@ -1,8 +1,12 @@
 //! The sim-to-real gap: where it lies, which effect causes it, how far it shrinks.
 
 mod answer;
+mod blocks;
 mod floor;
+mod gap;
+mod regimes;
 mod repeats;
+mod shrink;
 #[cfg(test)]
 mod testing;
 
@@ -11,6 +15,8 @@ pub use answer::{
     Rejected, Shrink, SimulationShrink, TorqueShrink, Untestable, Value, Verdict,
 };
 pub use floor::{Floor, FloorFrom, noise_floor};
+pub use gap::gap;
+pub use shrink::{BeforeAfter, torque_shrink};
 
 use crate::signals::Samples;
 use crate::twin::Twin;
