@@ -5,7 +5,7 @@
 //! near it (fit again with gap0 = gap). Felt by all joints. Injecting takes the gap alone.
 
 use super::wind_up::{lagging, wind_up};
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission};
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission, starts};
 use crate::series::JointSeries;
 
 pub struct Backlash;
@@ -66,6 +66,21 @@ static ABOUT: About = About {
 impl Effect for Backlash {
     fn about(&self) -> &'static About {
         &ABOUT
+    }
+
+    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+        let axes = [
+            ("backlash_stiffness", vec![1e4, 5e4]),
+            ("gap_reference", starts::between(2e-4, 0.02, 6)),
+        ];
+        starts::grid(ABOUT.parameters, &axes)
+    }
+
+    fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
+        let reference = ABOUT.parameters.iter().rfind(|p| p.is_reference());
+        if let (Some(p), Some(gap0)) = (reference, nonlinear.last_mut()) {
+            *gap0 = p.clamp(linear[0]);
+        }
     }
 
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {

@@ -3,7 +3,7 @@
 //! The rest angle q0 cannot be told from a constant torque.
 
 use super::hysteresis::{along, dahl};
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
 
 pub struct CableSpring;
 
@@ -63,6 +63,13 @@ static ABOUT: About = About {
 impl Effect for CableSpring {
     fn about(&self) -> &'static About {
         &ABOUT
+    }
+
+    fn starts(&self, motion: &Motion<'_>, joint: usize) -> Vec<Vec<f64>> {
+        let [low, high] = starts::range(motion, joint);
+        let rest = starts::between(low, high.max(low + 1e-6), 3);
+        let slip = starts::between(0.05, 0.5, 3);
+        starts::grid(ABOUT.parameters, &[("cable_rest_angle", rest), ("cable_slip_angle", slip)])
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {

@@ -87,6 +87,14 @@ impl Effect for ExternalContact {
         &ABOUT
     }
 
+    fn starts(&self, motion: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+        let mut rows: Vec<_> =
+            windows(motion).iter().map(|[at, d]| vec![*at, *d, OPEN_M]).collect();
+        let whole = (motion.samples() as f64 + 1.0) * motion.dt;
+        rows.extend(heights(motion).iter().map(|&height| vec![motion.start, whole, height]));
+        rows
+    }
+
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
         let mut columns = vec![vec![0.0; motion.samples()]; 3];
         let mut q = vec![0.0; motion.q.joints()];
@@ -114,4 +122,39 @@ fn touched(robot: &Robot, q: &[f64], joint: usize, time: f64, gate: &[f64]) -> V
     }
     let jacobian = point_jacobian(robot, q, robot.dof() - 1, &robot.flange.translation);
     -jacobian.fixed_view::<3, 1>(0, joint).into_owned()
+}
+
+/// Above any arm, m: a contact wherever it is.
+const OPEN_M: f64 = 10.0;
+/// Shortest window, s.
+const SHORTEST_S: f64 = 0.5;
+/// Shares of the motion below the heights at which searches begin.
+const SHARES: [f64; 7] = [0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9];
+
+/// Start and duration, s: the whole motion, its halves, quarters and so on, each shifted by half
+/// its length.
+fn windows(motion: &Motion<'_>) -> Vec<[f64; 2]> {
+    let whole = motion.samples() as f64 * motion.dt;
+    let mut windows = vec![[motion.start, whole + motion.dt]];
+    let mut parts = 2;
+    while whole / parts as f64 >= SHORTEST_S {
+        let length = whole / parts as f64;
+        let shifted = (0..2 * parts - 1).map(|i| motion.start + 0.5 * i as f64 * length);
+        windows.extend(shifted.map(|start| [start, length]));
+        parts *= 2;
+    }
+    windows
+}
+
+/// Heights, m, below which the flange is for given shares of the motion.
+fn heights(motion: &Motion<'_>) -> Vec<f64> {
+    let mut q = vec![0.0; motion.q.joints()];
+    let mut height = |k: usize| {
+        motion.q.sample_into(k, &mut q);
+        flange_placement(motion.robot, &q).translation.z
+    };
+    let mut all: Vec<f64> = (0..motion.samples()).map(&mut height).collect();
+    all.sort_by(f64::total_cmp);
+    let at = |share: f64| all.get((share * all.len() as f64) as usize).copied();
+    SHARES.into_iter().filter_map(at).collect()
 }

@@ -6,7 +6,7 @@
 //! leave it out. Injecting takes c alone.
 
 use super::wind_up::{lagging, wind_up};
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission};
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission, starts};
 use crate::series::JointSeries;
 
 pub struct JointFlexibility;
@@ -87,6 +87,21 @@ static ABOUT: About = About {
 impl Effect for JointFlexibility {
     fn about(&self) -> &'static About {
         &ABOUT
+    }
+
+    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+        let axes = [
+            ("joint_damping", vec![10.0, 60.0]),
+            ("compliance_reference", starts::between(1e-5, 2e-3, 7)),
+        ];
+        starts::grid(ABOUT.parameters, &axes)
+    }
+
+    fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
+        let reference = ABOUT.parameters.iter().rfind(|p| p.is_reference());
+        if let (Some(p), Some(c0)) = (reference, nonlinear.last_mut()) {
+            *c0 = p.clamp(linear[0]);
+        }
     }
 
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {

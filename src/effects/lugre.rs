@@ -3,7 +3,7 @@
 //! With the bristle's deflection w z: dz/dt = (qd - |qd| z / g(qd)) / w, g = 1 + e exp(-|qd / qd_s|).
 
 use super::hysteresis::dahl;
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
 
 pub struct Lugre;
 
@@ -73,6 +73,16 @@ static ABOUT: About = About {
 impl Effect for Lugre {
     fn about(&self) -> &'static About {
         &ABOUT
+    }
+
+    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+        let width = starts::between(3e-4, 0.03, 5);
+        let axes = [
+            ("lugre_width", width),
+            ("lugre_excess", vec![0.1, 0.5]),
+            ("lugre_velocity", vec![0.02, 0.1]),
+        ];
+        starts::grid(ABOUT.parameters, &axes)
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {

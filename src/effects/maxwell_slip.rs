@@ -3,7 +3,7 @@
 //! The springs slip after w/4, w and 4 w; in place of Coulomb friction, or of a part of it.
 
 use super::hysteresis::{along, slip};
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
 
 pub struct MaxwellSlip;
 
@@ -63,6 +63,10 @@ static ABOUT: About = About {
 impl Effect for MaxwellSlip {
     fn about(&self) -> &'static About {
         &ABOUT
+    }
+
+    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+        starts::spread_over(ABOUT.parameters, 3e-4, 0.03)
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {

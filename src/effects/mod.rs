@@ -55,6 +55,28 @@ pub use state::{ArmState, JointLoad, JointState};
 
 use crate::series::JointSeries;
 
+/// The values of all parameters of an effect, each from `given` by name; references that are not
+/// given follow from the others.
+///
+/// # Errors
+/// The first parameter that is missing.
+pub fn complete(
+    effect: &dyn Effect,
+    given: impl Fn(&'static str) -> Option<f64>,
+) -> Result<Vec<f64>, &'static Parameter> {
+    let parameters = effect.about().parameters;
+    let value =
+        |p: &'static Parameter| given(p.name).or(p.is_reference().then_some(p.typical)).ok_or(p);
+    let mut values = parameters.iter().map(value).collect::<Result<Vec<f64>, _>>()?;
+    let linear = parameters.iter().filter(|p| p.role == Role::Linear).count();
+    let (linear, nonlinear) = values.split_at_mut(linear);
+    effect.settle(linear, nonlinear);
+    for (value, p) in values.iter_mut().zip(parameters) {
+        *value = given(p.name).unwrap_or(*value);
+    }
+    Ok(values)
+}
+
 /// What a parameter is; data, so that command line, docs, scenario keys and tests follow from it.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Parameter {
@@ -70,6 +92,19 @@ pub struct Parameter {
     /// The value at which the effect vanishes.
     pub null: f64,
     pub role: Role,
+}
+
+impl Parameter {
+    /// Where columns are worked out, not what the arm is like: follows from the linear parameters
+    /// ([`Effect::settle`]) and may be left out of files.
+    pub fn is_reference(&self) -> bool {
+        self.name.ends_with("_reference")
+    }
+
+    /// The nearest value within the bounds.
+    pub fn clamp(&self, value: f64) -> f64 {
+        value.clamp(self.min, self.max)
+    }
 }
 
 /// How a parameter enters the torque.

@@ -1,12 +1,12 @@
 //! A load at the flange: tau = Y_flange(q, qd, qdd) [m, m cx, m cy, m cz].
 //!
-//! A compact load, a point mass as far as rotation goes. What is quadratic in its centre of mass
-//! (its own m |c|^2, about 0.02 kg.m2 for 2 kg at 0.1 m) is not linear in these parameters; the
-//! columns leave it out.
+//! A compact load: a point mass as far as rotation goes. Its second moment S = m c c^T is not linear
+//! in m and h = m c. The columns take it at a reference centre r, S = r h^T + h r^T - m r r^T,
+//! which is exact for c = r (fit again with r = h / m).
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope};
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, starts};
 use crate::robot::{Placement, body_regressor_series};
 use crate::series::JointSeries;
 
@@ -30,6 +30,9 @@ static ABOUT: About = About {
         moment("payload_moment_x", "m cx", 0.0),
         moment("payload_moment_y", "m cy", 0.0),
         moment("payload_moment_z", "m cz", 0.14),
+        reference("payload_x_reference", "rx"),
+        reference("payload_y_reference", "ry"),
+        reference("payload_z_reference", "rz"),
     ],
     memory: 0,
     dissipates: false,
@@ -43,12 +46,27 @@ impl Effect for Payload {
         &ABOUT
     }
 
-    fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {
+    /// One: gravity alone tells the centre well enough to settle on it.
+    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+        starts::grid(ABOUT.parameters, &[])
+    }
+
+    fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
+        if linear[0] > LIGHTEST_KG {
+            let references = ABOUT.parameters.iter().filter(|p| p.is_reference());
+            for ((r, moment), p) in nonlinear.iter_mut().zip(&linear[1..]).zip(references) {
+                *r = p.clamp(moment / linear[0]);
+            }
+        }
+    }
+
+    fn columns(&self, motion: &Motion<'_>, joint: usize, reference: &[f64]) -> Vec<Vec<f64>> {
         let robot = motion.robot;
         let Some(last) = robot.dof().checked_sub(1) else { return vec![vec![]; 4] };
         let body = body_regressor_series(robot, motion.q, motion.qd, motion.qdd, last);
         let combine = |p: [f64; 10]| weighted_sum(&body, &p, joint);
-        flange_parameters(&robot.flange).map(combine).to_vec()
+        let reference = Vector3::from_column_slice(reference);
+        flange_parameters(&robot.flange, reference).map(combine).to_vec()
     }
 
     fn build(&self, values: &[f64], _: usize, mechanism: &mut Mechanism) {
@@ -65,13 +83,25 @@ const fn moment(name: &'static str, symbol: &'static str, typical: f64) -> Param
     Parameter { name, symbol, unit: "kg.m", min: -3.0, max: 3.0, typical, null: 0.0, role }
 }
 
+/// m
+const fn reference(name: &'static str, symbol: &'static str) -> Parameter {
+    let (role, null) = (Role::Nonlinear, f64::NAN);
+    Parameter { name, symbol, unit: "m", min: -5.0, max: 5.0, typical: 0.0, null, role }
+}
+
+/// Below this mass (kg) moments say nothing about a centre.
+const LIGHTEST_KG: f64 = 0.01;
+
 /// The last body's ten inertial parameters ([`crate::robot::Inertia::parameters`]) per unit of
-/// m, m cx, m cy and m cz in the flange's frame.
-fn flange_parameters(flange: &Placement) -> [[f64; 10]; 4] {
-    let d = flange.translation;
+/// m, m cx, m cy and m cz in the flange's frame: with d from the body to the flange and R r the
+/// reference in the body's axes, e = d + R r, a load's S is e h^T + h e^T + m (d d^T - R r r^T R^T).
+fn flange_parameters(flange: &Placement, reference: Vector3<f64>) -> [[f64; 10]; 4] {
+    let (d, r) = (flange.translation, flange.rotation * reference);
     let axis = |i: usize| flange.rotation.column(i).into_owned();
-    let moment = |h: Vector3<f64>| parameters(0.0, h, d * h.transpose() + h * d.transpose());
-    [parameters(1.0, d, d * d.transpose()), moment(axis(0)), moment(axis(1)), moment(axis(2))]
+    let e = d + r;
+    let moment = |h: Vector3<f64>| parameters(0.0, h, e * h.transpose() + h * e.transpose());
+    let mass = parameters(1.0, d, d * d.transpose() - r * r.transpose());
+    [mass, moment(axis(0)), moment(axis(1)), moment(axis(2))]
 }
 
 /// From mass, first moment and second moment S (integral of x x^T dm): inertia = tr(S) 1 - S.

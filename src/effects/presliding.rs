@@ -3,7 +3,7 @@
 //! In place of Coulomb friction, or of a part of it: where both are given, they add up.
 
 use super::hysteresis::{along, dahl};
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
 
 pub struct Presliding;
 
@@ -43,6 +43,10 @@ static ABOUT: About = About {
 impl Effect for Presliding {
     fn about(&self) -> &'static About {
         &ABOUT
+    }
+
+    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+        starts::spread_over(ABOUT.parameters, 3e-4, 0.03)
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {

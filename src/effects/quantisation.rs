@@ -2,7 +2,7 @@
 //!
 //! Nothing undoes it; it acts like white noise of step / sqrt(12) where a signal crosses many steps.
 
-use super::{About, Channels, Effect, Parameter, Role, Scope, Seen};
+use super::{About, Channels, Effect, Motion, Parameter, Role, Scope, Seen, starts};
 
 pub struct Quantisation;
 
@@ -56,6 +56,10 @@ impl Effect for Quantisation {
 
     fn seen(&self) -> Seen {
         Seen::Simulation
+    }
+
+    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+        starts::spread_over(ABOUT.parameters, 1e-5, 0.01)
     }
 
     fn measure(&self, values: &[f64], channels: &mut Channels) {

@@ -1,7 +1,7 @@
 //! Stribeck curve: tau = (Fs - Fc) sign(qd) exp(-|qd / qd_s|), on top of Coulomb friction.
 
 use super::coulomb::sign;
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
 
 pub struct Stribeck;
 
@@ -39,6 +39,10 @@ impl Effect for Stribeck {
             remedy: "make the dry level depend on speed; no common simulator format holds it",
             source: "Armstrong-Helouvry et al., Automatica 30(7), 1994; the paper's Eq. 1",
         }
+    }
+
+    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+        starts::spread_over(self.about().parameters, 0.01, 0.3)
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {

@@ -140,9 +140,6 @@ impl Samples {
     fn injected(&self, effect: &dyn Effect, values: &[f64], from: usize) -> JointSeries {
         let mut mechanism = Mechanism::new(self.robot.clone());
         effect.build(values, from, &mut mechanism);
-        if effect.about().name == "payload" {
-            mechanism.robot = without_second_moment(&self.robot, values);
-        }
         let true_q =
             self.q.map_joints(|j, q| q.iter().map(|q| q - mechanism.encoder_zero[j]).collect());
         let before = inverse_dynamics_series(&self.robot, &self.q, &self.qd, &self.qdd);
@@ -202,21 +199,17 @@ fn columned() -> impl Iterator<Item = &'static dyn Effect> {
     CATALOGUE.iter().copied().filter(|e| e.seen() == Seen::Columns)
 }
 
-/// The columns of a payload leave out what is quadratic in its centre of mass (see payload.rs).
-fn without_second_moment(robot: &Robot, values: &[f64]) -> Robot {
-    let com = Vector3::new(values[1], values[2], values[3]) / values[0];
-    let about_flange = Matrix3::identity() * com.dot(&com) - com * com.transpose();
-    robot.with_payload(values[0], com, -values[0] * about_flange)
-}
-
 fn linear_count(effect: &dyn Effect) -> usize {
     effect.about().parameters.iter().filter(|p| p.role == Role::Linear).count()
 }
 
-/// Values within the bounds, the same draw for every effect.
+/// Values within the bounds, the same draw for every effect; references where they belong.
 fn draw(effect: &dyn Effect, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let inside = |p: &Parameter| p.min + (p.max - p.min) * rng.random_range(0.05..0.95);
-    effect.about().parameters.iter().map(inside).collect()
+    let drawn: Vec<f64> = effect.about().parameters.iter().map(inside).collect();
+    let place = |name| effect.about().parameters.iter().position(|p| p.name == name);
+    let own = |i: &usize| !effect.about().parameters[*i].is_reference();
+    complete(effect, |name| place(name).filter(own).map(|i| drawn[i])).unwrap()
 }
 
 fn assert_close(name: &str, a: &JointSeries, b: &JointSeries, share: f64) {
@@ -329,6 +322,47 @@ fn shows_somewhere_at_its_typical_value() {
         let rms = (torque.iter().map(|t| t * t).sum::<f64>() / torque.len() as f64).sqrt();
         assert!((0.001..50.0).contains(&rms), "{}: {rms} N.m", effect.about().name);
     }
+}
+
+/// Where searches begin: a row of all nonlinear parameters each, inside their bounds.
+#[test]
+fn searches_begin_within_the_bounds() {
+    let samples = Samples::random(6);
+    for effect in CATALOGUE {
+        let about = effect.about();
+        let nonlinear: Vec<_> =
+            about.parameters.iter().filter(|p| p.role == Role::Nonlinear).collect();
+        for joint in 0..3 {
+            let rows = effect.starts(&samples.motion(), joint);
+            assert!(!rows.is_empty(), "{}", about.name);
+            for row in rows {
+                assert_eq!(row.len(), nonlinear.len(), "{}", about.name);
+                for (value, p) in row.iter().zip(&nonlinear) {
+                    assert!((p.min..=p.max).contains(value), "{}: {}", p.name, value);
+                }
+            }
+        }
+    }
+}
+
+/// References settle on what was fitted and stay there.
+#[test]
+fn references_follow_the_fitted_values() {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    for effect in CATALOGUE {
+        let values = draw(*effect, &mut rng);
+        let (linear, nonlinear) = values.split_at(linear_count(*effect));
+        let mut settled = nonlinear.to_vec();
+        effect.settle(linear, &mut settled);
+        assert_eq!(settled, nonlinear, "{}", effect.about().name);
+    }
+    let payload = |mass: f64| {
+        let mut reference = [0.0; 3];
+        find("payload").unwrap().settle(&[mass, 0.1, 0.0, 0.2], &mut reference);
+        reference
+    };
+    assert_eq!(payload(2.0), [0.05, 0.0, 0.1]);
+    assert_eq!(payload(0.0), [0.0; 3]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! Corrected by delaying the motion as much, so that the model is shifted and not the current.
 
 use super::channels::delayed;
-use super::{About, Channels, Effect, Parameter, Role, Scope, Seen};
+use super::{About, Channels, Effect, Motion, Parameter, Role, Scope, Seen, starts};
 
 pub struct TimeDelay;
 
@@ -35,6 +35,10 @@ impl Effect for TimeDelay {
 
     fn seen(&self) -> Seen {
         Seen::Channels
+    }
+
+    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+        starts::spread_over(ABOUT.parameters, 0.001, 0.06)
     }
 
     fn measure(&self, values: &[f64], channels: &mut Channels) {

@@ -2,7 +2,9 @@
 //!
 //! A filter below N qd / (2 pi) Hz removes it.
 
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use std::f64::consts::PI;
+
+use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
 
 pub struct TorqueRipple;
 
@@ -54,6 +56,11 @@ impl Effect for TorqueRipple {
         &ABOUT
     }
 
+    fn starts(&self, motion: &Motion<'_>, joint: usize) -> Vec<Vec<f64>> {
+        let orders = orders(motion, joint);
+        starts::grid(ABOUT.parameters, &[("ripple_order", orders)])
+    }
+
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
         let q = motion.q.joint(joint);
         let wave = |f: fn(f64) -> f64| q.iter().map(|q| f(nonlinear[0] * q)).collect();
@@ -64,4 +71,24 @@ impl Effect for TorqueRipple {
         let (sin, cos) = (values[2] * state.q).sin_cos();
         load.torque += values[0] * sin + values[1] * cos;
     }
+}
+
+/// Highest order searched for: twice per motor turn of a gear of 200.
+const HIGHEST_ORDER: f64 = 400.0;
+/// Finest step between orders.
+const FINEST_STEP: f64 = 0.5;
+/// Share of the sampling rate up to which a ripple is followed at the median speed.
+const RESOLVED: f64 = 0.4;
+
+/// As finely as the joint's angular range tells neighbours apart (a quarter turn of phase over
+/// it), as high as samples follow at the joint's median speed.
+fn orders(motion: &Motion<'_>, joint: usize) -> Vec<f64> {
+    let [low, high] = starts::range(motion, joint);
+    let step = FINEST_STEP.max(0.5 * PI / (high - low).max(1e-6));
+    let mut speeds: Vec<f64> = motion.qd.joint(joint).iter().map(|qd| qd.abs()).collect();
+    speeds.sort_by(f64::total_cmp);
+    let median = speeds.get(speeds.len() / 2).copied().unwrap_or(0.0);
+    let highest = (2.0 * PI * RESOLVED / (motion.dt * median.max(1e-6))).min(HIGHEST_ORDER);
+    let count = ((highest - 1.0) / step).floor().max(0.0) as usize;
+    (0..=count).map(|i| 1.0 + i as f64 * step).collect()
 }

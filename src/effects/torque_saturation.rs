@@ -2,7 +2,7 @@
 //!
 //! What was recorded is the clipped torque, and the motion belongs to it.
 
-use super::{About, Effect, Mechanism, Parameter, Role, Scope, Seen};
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Seen, starts};
 
 pub struct TorqueSaturation;
 
@@ -34,6 +34,14 @@ impl Effect for TorqueSaturation {
 
     fn seen(&self) -> Seen {
         Seen::Simulation
+    }
+
+    fn starts(&self, motion: &Motion<'_>, joint: usize) -> Vec<Vec<f64>> {
+        let torque = motion.drive_torque();
+        let peak = torque.joint(joint).iter().fold(0.0, |m: f64, t| m.max(t.abs()));
+        let limits =
+            [0.5, 0.6, 0.7, 0.8, 0.9, 0.97].map(|share| ABOUT.parameters[0].clamp(share * peak));
+        starts::grid(ABOUT.parameters, &[("torque_limit", limits.to_vec())])
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {

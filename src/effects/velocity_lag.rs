@@ -2,7 +2,7 @@
 //!
 //! Seen only where velocity and acceleration are made from the recorded velocity.
 
-use super::{About, Channels, Effect, Parameter, Role, Scope, Seen};
+use super::{About, Channels, Effect, Motion, Parameter, Role, Scope, Seen, starts};
 
 pub struct VelocityLag;
 
@@ -34,6 +34,10 @@ impl Effect for VelocityLag {
 
     fn seen(&self) -> Seen {
         Seen::Channels
+    }
+
+    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+        starts::spread_over(ABOUT.parameters, 0.001, 0.06)
     }
 
     fn measure(&self, values: &[f64], channels: &mut Channels) {

@@ -234,9 +234,11 @@ impl Assembly<'_> {
         let at = if about.scope == Scope::Arm { 0 } else { joint };
         let given = |p: &effects::Parameter| {
             let value = self.twin.values.get(p.name).and_then(|v| v.get(at)).copied();
-            value.ok_or_else(|| IdentificationError::Nonlinear {
-                effect: about.name.into(),
-                parameter: p.name.into(),
+            value.or(p.is_reference().then_some(p.typical)).ok_or_else(|| {
+                IdentificationError::Nonlinear {
+                    effect: about.name.into(),
+                    parameter: p.name.into(),
+                }
             })
         };
         about.parameters.iter().filter(|p| p.role == Role::Nonlinear).map(given).collect()

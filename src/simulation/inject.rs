@@ -38,10 +38,14 @@ fn injection(
     let rows = if effect.about().scope == Scope::Arm { 1 } else { joints.len() };
     let mut values = vec![Vec::with_capacity(parameters.len()); rows];
     for p in parameters {
-        let given = table.get(p.name).ok_or_else(|| {
+        let Some(given) = table.get(p.name) else {
+            if p.is_reference() {
+                values.iter_mut().for_each(|row| row.push(p.typical));
+                continue;
+            }
             let Parameter { name: key, typical, unit, .. } = p;
-            format!("effects.{name} lacks {key}: give it (typical: {typical} {unit})")
-        })?;
+            return Err(format!("effects.{name} lacks {key}: give it (typical: {typical} {unit})"));
+        };
         let each = given.expand(rows);
         if each.len() != rows {
             return Err(format!(
@@ -58,6 +62,12 @@ fn injection(
                 in_range(name, p, value, joint + 1)
             }?);
         }
+    }
+    for row in &mut values {
+        let given = row.clone();
+        let place = |key| parameters.iter().position(|p| p.name == key && table.contains_key(key));
+        *row =
+            effects::complete(effect, |key| place(key).map(|i| given[i])).unwrap_or(given.clone());
     }
     Ok(Injection { effect, joints, values })
 }

@@ -15,7 +15,9 @@ pub use parts::{DriveTable, PerJoint, read_robot};
 
 use std::collections::BTreeMap;
 
-use crate::effects::{CATALOGUE, Effect, Mechanism, Motion, Role, Scope, find};
+use crate::effects::{
+    CATALOGUE, Effect, Mechanism, Motion, Parameter, Role, Scope, complete, find,
+};
 use crate::robot::{Drive, Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
 
@@ -47,8 +49,8 @@ impl Twin {
     /// The values of an effect at one joint in the order of its parameters, where known.
     pub fn values_at(&self, effect: &dyn Effect, joint: usize) -> Option<Vec<f64>> {
         let at = if effect.about().scope == Scope::Arm { 0 } else { joint };
-        let value = |name| self.values.get(name).and_then(|v| v.get(at)).copied();
-        effect.about().parameters.iter().map(|p| value(p.name)).collect()
+        let value = |name: &str| self.values.get(name).and_then(|v| v.get(at)).copied();
+        complete(effect, value).ok()
     }
 
     /// What the drive must supply along a motion of `self.robot`, N.m.
@@ -121,7 +123,8 @@ impl Twin {
     }
 
     fn knows(&self, effect: &dyn Effect) -> bool {
-        effect.about().parameters.iter().all(|p| self.values.contains_key(p.name))
+        let given = |p: &Parameter| p.is_reference() || self.values.contains_key(p.name);
+        effect.about().parameters.iter().all(given)
     }
 }
 
