@@ -29,6 +29,7 @@ pub mod signals;
 pub mod simulation;
 pub mod statistics;
 pub mod studies;
+pub mod trials;
 pub mod twin;
 #[cfg(feature = "viewer")]
 pub mod viewer;

@@ -13,6 +13,7 @@ mod motor;
 mod recovery;
 mod robots;
 mod simulate;
+mod trial;
 mod urdf;
 
 use std::process::ExitCode;
@@ -40,6 +41,7 @@ enum Command {
     Recovery(recovery::Args),
     Robots(robots::Args),
     Simulate(simulate::Args),
+    Trial(trial::Args),
     Urdf(urdf::Args),
 }
 
@@ -68,6 +70,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Recovery(args) => recovery::run(&args),
         Command::Robots(args) => robots::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Trial(args) => trial::run(&args),
         Command::Urdf(args) => urdf::run(&args),
     }
 }

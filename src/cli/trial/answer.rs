@@ -1,0 +1,69 @@
+//! `armtwin trial answer`: a diagnosis of every case.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use rayon::prelude::*;
+
+use super::{on_threads, progress};
+use crate::trials::{Answer, answer, case_folders, write_json};
+
+/// Diagnose every case of a trial, each from its own folder alone
+#[derive(clap::Args)]
+#[command(after_help = "Example: armtwin trial answer cases --out answers
+
+Writes answers/case-0000.json and so on: the diagnosis, and what simpler rules say about the same
+recordings. Answers that are there and were made from the same files are kept, so that an
+interrupted run goes on where it was. The sealed folder is not read; it may be elsewhere.")]
+pub struct Args {
+    /// Folder with case-* folders
+    cases: PathBuf,
+    /// Folder for the answers
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Cases at a time [default: one per core]
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Answer again what is answered already
+    #[arg(long)]
+    again: bool,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let folders = case_folders(&args.cases)?;
+    let out = &args.out;
+    fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
+    let bar = progress(folders.len(), "case");
+    let one = |folder: &PathBuf| -> anyhow::Result<Done> {
+        let done = answered(folder, out, args.again)?;
+        bar.inc(1);
+        Ok(done)
+    };
+    let done: Vec<Done> =
+        on_threads(args.jobs, || folders.par_iter().map(one).collect::<anyhow::Result<_>>())?;
+    bar.finish_and_clear();
+    let count = |which: fn(&Done) -> bool| done.iter().filter(|d| which(d)).count();
+    let (kept, failed) = (count(|d| d.kept), count(|d| d.failed.is_some()));
+    println!("{}: {} answers, {kept} of them kept, {failed} failed", out.display(), done.len());
+    if let Some(why) = done.iter().find_map(|d| d.failed.as_ref()) {
+        println!("first failure: {why}");
+    }
+    Ok(())
+}
+
+struct Done {
+    kept: bool,
+    failed: Option<String>,
+}
+
+fn answered(folder: &Path, out: &Path, again: bool) -> anyhow::Result<Done> {
+    let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let file = out.join(format!("{name}.json"));
+    if !again && Answer::kept(&file, folder).is_some() {
+        return Ok(Done { kept: true, failed: None });
+    }
+    let answer = answer(folder).with_context(|| name.clone())?;
+    write_json(&file, &answer)?;
+    Ok(Done { kept: false, failed: answer.failed.map(|why| format!("{name}: {why}")) })
+}

@@ -1,0 +1,74 @@
+//! `armtwin trial score`: the seals opened.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+
+use crate::files::write_whole;
+use crate::trials::{Chapter, Seals, goals, page, score};
+
+/// Open the seals and hold the answers against them
+#[derive(clap::Args)]
+#[command(after_help = "Example: armtwin trial score cases answers --out trials.md
+
+Several trials make several chapters: armtwin trial score cases answers nuisance nuisance_answers.
+A sealed file that was changed after it was drawn is refused.")]
+pub struct Args {
+    /// Folders of cases and of their answers, in turn
+    #[arg(required = true, num_args = 2.., value_name = "CASES ANSWERS")]
+    folders: Vec<PathBuf>,
+    /// Markdown file to write; left out, standard output
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Every judgement as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    if !args.folders.len().is_multiple_of(2) {
+        bail!("give a folder of answers for every folder of cases, in turn");
+    }
+    let mut chapters = Vec::new();
+    for pair in args.folders.chunks(2) {
+        let (cases, answers) = (&pair[0], &pair[1]);
+        let made = Seals::load(cases)?.made;
+        let title = cases.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        chapters.push(Chapter { title, made, cases: score(cases, answers)? });
+    }
+    if let Some(path) = &args.json {
+        let trials: Vec<_> = chapters
+            .iter()
+            .map(|c| {
+                serde_json::json!({
+                    "trial": c.title, "made": c.made, "goals": goals(&c.cases), "cases": c.cases,
+                })
+            })
+            .collect();
+        let all = serde_json::json!({
+            "schema": "armtwin.score/1", "version": env!("CARGO_PKG_VERSION"), "trials": trials,
+        });
+        write(path, &format!("{all:#}\n"))?;
+    }
+    let page = page(&command(args), &chapters);
+    match &args.out {
+        Some(path) => write(path, &page),
+        None => {
+            print!("{page}");
+            Ok(())
+        }
+    }
+}
+
+/// As it would be typed, folders by their names.
+fn command(args: &Args) -> String {
+    let name = |p: &PathBuf| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let folders: Vec<String> = args.folders.iter().map(name).collect();
+    let out = args.out.as_ref().map_or(String::new(), |p| format!(" --out {}", name(p)));
+    format!("armtwin trial score {}{out}", folders.join(" "))
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    write_whole(path, |out| out.write_all(text.as_bytes()))
+        .with_context(|| format!("cannot write {}", path.display()))
+}

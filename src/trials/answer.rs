@@ -1,0 +1,90 @@
+//! A case answered from its folder alone.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::TrialError;
+use super::baselines::{BaselineAnswer, baselines};
+use super::case::{CHECK, Case, FIT, TWIN};
+use super::seal::sha256;
+use crate::diagnosis::{Diagnosis, Settings, diagnose};
+use crate::recording::{Recording, read};
+use crate::signals::{Conditioning, Derivatives, Samples, condition};
+use crate::twin::Twin;
+
+pub const SCHEMA: &str = "armtwin.answer/1";
+
+/// `ANSWERS/case-0000.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Answer {
+    pub schema: String,
+    pub armtwin: String,
+    pub case: String,
+    /// What the answer was made from: file name -> SHA-256.
+    pub inputs: BTreeMap<String, String>,
+    pub settings: Settings,
+    pub conditioning: Conditioning,
+    pub diagnosis: Option<Diagnosis>,
+    /// Why there is no diagnosis.
+    pub failed: Option<String>,
+    pub baselines: Vec<BaselineAnswer>,
+}
+
+impl Answer {
+    /// The answer in `file`, if it is one to the case in `folder` as it is now.
+    pub fn kept(file: &Path, folder: &Path) -> Option<Self> {
+        let answer: Self = serde_json::from_slice(&fs::read(file).ok()?).ok()?;
+        let whole = answer.diagnosis.is_some()
+            && answer.schema == SCHEMA
+            && answer.armtwin == env!("CARGO_PKG_VERSION")
+            && answer.inputs == inputs(folder).ok()?;
+        whole.then_some(answer)
+    }
+}
+
+/// Diagnoses the case in `folder`; nothing outside that folder is read. A diagnosis that fails is
+/// an answer too.
+///
+/// # Errors
+/// If a file of the case cannot be read.
+pub fn answer(folder: &Path) -> Result<Answer, TrialError> {
+    let case = Case::open(folder)?;
+    let twin = Twin::load(&case.file(TWIN))?;
+    let recordings = [read(&case.file(FIT), None)?, read(&case.file(CHECK), None)?];
+    let conditioning = conditioning(&recordings[0]);
+    let samples = |r: &Recording| condition(r, &twin.drive, twin.robot.dof(), &conditioning);
+    let [fit, check]: [Samples; 2] = [samples(&recordings[0])?, samples(&recordings[1])?];
+    let diagnosis = diagnose(&twin, &fit, &check, &case.settings);
+    Ok(Answer {
+        schema: SCHEMA.into(),
+        armtwin: env!("CARGO_PKG_VERSION").into(),
+        inputs: inputs(folder)?,
+        baselines: baselines(&twin, &fit, &check, &case.settings),
+        failed: diagnosis.as_ref().err().map(ToString::to_string),
+        diagnosis: diagnosis.ok(),
+        case: case.name,
+        settings: case.settings,
+        conditioning,
+    })
+}
+
+/// Commanded motion plus the smoothed tracking error where a command is recorded.
+fn conditioning(recording: &Recording) -> Conditioning {
+    let derivatives = match recording.joints("target_qdd") {
+        Some(_) => Derivatives::TrackingError,
+        None => Derivatives::Position,
+    };
+    Conditioning { derivatives, torque_cutoff_hz: 0.0, ..Conditioning::default() }
+}
+
+fn inputs(folder: &Path) -> Result<BTreeMap<String, String>, TrialError> {
+    let hash = |name: &str| {
+        let file = folder.join(name);
+        let bytes = fs::read(&file).map_err(TrialError::io(&file, "read"))?;
+        Ok((name.to_string(), sha256(&bytes)))
+    };
+    [FIT, CHECK, TWIN, super::case::SETTINGS].into_iter().map(hash).collect()
+}

@@ -1,0 +1,74 @@
+//! A case folder: all that an answerer sees.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::TrialError;
+use crate::diagnosis::Settings;
+use crate::files::write_whole;
+
+pub const FIT: &str = "fit.csv.gz";
+pub const CHECK: &str = "check.csv.gz";
+pub const TWIN: &str = "twin.toml";
+pub const SETTINGS: &str = "settings.toml";
+const PREFIX: &str = "case-";
+
+/// A case as the answerer gets it.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// Of the folder, `case-0000`.
+    pub name: String,
+    pub folder: PathBuf,
+    /// What the answerer is told: effects taken out of the catalogue, how well masses are known.
+    pub settings: Settings,
+}
+
+impl Case {
+    /// # Errors
+    /// If the settings of the case cannot be read.
+    pub fn open(folder: &Path) -> Result<Self, TrialError> {
+        let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let file = folder.join(SETTINGS);
+        let text = fs::read_to_string(&file).map_err(TrialError::io(&file, "read"))?;
+        let settings = toml::from_str(&text).map_err(|e| TrialError::file(&file, e))?;
+        Ok(Self { name, folder: folder.into(), settings })
+    }
+
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+}
+
+/// The case folders of a trial, in order.
+///
+/// # Errors
+/// If `dir` cannot be read or holds none.
+pub fn case_folders(dir: &Path) -> Result<Vec<PathBuf>, TrialError> {
+    let entries = fs::read_dir(dir).map_err(TrialError::io(dir, "read"))?;
+    let is_case = |p: &PathBuf| {
+        p.is_dir() && p.file_name().is_some_and(|n| n.to_string_lossy().starts_with(PREFIX))
+    };
+    let mut folders: Vec<_> =
+        entries.filter_map(|e| e.ok().map(|e| e.path())).filter(is_case).collect();
+    folders.sort();
+    match folders.is_empty() {
+        true => Err(TrialError::file(dir, "holds no cases; make some with `armtwin trial draw`")),
+        false => Ok(folders),
+    }
+}
+
+/// Writes what the answerer is told.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn write_settings(folder: &Path, settings: &Settings) -> Result<(), TrialError> {
+    let file = folder.join(SETTINGS);
+    let text = toml::to_string(settings).map_err(|e| TrialError::file(&file, e))?;
+    write_text(&file, &text)
+}
+
+/// # Errors
+/// If it cannot be written.
+pub fn write_text(file: &Path, text: &str) -> Result<(), TrialError> {
+    write_whole(file, |out| out.write_all(text.as_bytes())).map_err(TrialError::io(file, "written"))
+}

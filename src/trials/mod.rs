@@ -1,0 +1,28 @@
+//! Blind trials: cases with sealed labels, answers given without them, and what they are worth.
+//!
+//! [`draw`](draw::draw) makes cases in rapier, [`import`] takes cases made elsewhere. A case folder
+//! holds what the answerer may see: two recordings, the nominal twin, settings. What is hidden lies
+//! in `sealed/` beside the case folders, and `seals.json` publishes the hash of every file there:
+//! [`score`] refuses a truth that does not match. [`answer`] is given a case folder and nothing
+//! else.
+//!
+//! What draws does not share its mathematics with what answers: rapier's implicit steps and its
+//! constraint friction at reversals against inverse dynamics and sliding laws.
+
+mod answer;
+mod baselines;
+mod case;
+mod error;
+mod import;
+mod score;
+mod seal;
+mod truth;
+
+pub use answer::{Answer, answer};
+pub use baselines::{BaselineAnswer, Method};
+pub use case::{Case, case_folders};
+pub use error::TrialError;
+pub use import::{Names, import};
+pub use score::{Chapter, Goal, Judged, Share, goals, judge, page, score};
+pub use seal::{Seals, sha256, write_json};
+pub use truth::{Hidden, Kind, Strength, TrueValue, Truth};

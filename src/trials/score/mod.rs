@@ -1,0 +1,41 @@
+//! The seals opened: what the answers are worth.
+
+mod judged;
+mod page;
+mod rows;
+mod share;
+mod tables;
+
+pub use judged::{Judged, JudgedParameter, judge};
+pub use page::{Chapter, page};
+pub use rows::{Goal, goals};
+pub use share::Share;
+
+use std::fs;
+use std::path::Path;
+
+use super::{Answer, Kind, Seals, TrialError, Truth, case_folders};
+
+/// Opens the seals of the trial in `dir` and holds the answers against what was hidden.
+///
+/// # Errors
+/// If a seal is broken, or a case was not answered or was answered from other files.
+pub fn score(dir: &Path, answers: &Path) -> Result<Vec<Judged>, TrialError> {
+    let seals = Seals::load(dir)?;
+    let mut all = Vec::new();
+    for folder in case_folders(dir)? {
+        let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let truth = seals.open(dir, &name)?;
+        let answer = load(&answers.join(format!("{name}.json")))?;
+        all.push(judge(&truth, &answer));
+    }
+    Ok(all)
+}
+
+fn load(file: &Path) -> Result<Answer, TrialError> {
+    let bytes = fs::read(file).map_err(|e| {
+        let problem = format!("cannot be read: {e}; answer the cases with `armtwin trial answer`");
+        TrialError::file(file, problem)
+    })?;
+    serde_json::from_slice(&bytes).map_err(|e| TrialError::file(file, e))
+}

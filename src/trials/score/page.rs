@@ -1,0 +1,61 @@
+//! The report page.
+
+use super::tables;
+use super::{Judged, Kind};
+
+/// One trial of the page.
+#[derive(Debug, Clone)]
+pub struct Chapter {
+    pub title: String,
+    /// How the cases were made.
+    pub made: String,
+    pub cases: Vec<Judged>,
+}
+
+/// Markdown; `command` made it.
+pub fn page(command: &str, chapters: &[Chapter]) -> String {
+    let head = include_str!("page.md")
+        .replace("{command}", command)
+        .replace("{version}", env!("CARGO_PKG_VERSION"));
+    let chapters: Vec<String> = chapters.iter().map(chapter).collect();
+    format!("{head}\n{}", chapters.join("\n"))
+}
+
+fn chapter(chapter: &Chapter) -> String {
+    let all = &chapter.cases;
+    let count = |kind: Kind| all.iter().filter(|j| j.kind == kind).count();
+    let kinds: Vec<String> = Kind::ALL
+        .into_iter()
+        .map(|kind| (kind, count(kind)))
+        .filter(|(_, n)| *n > 0)
+        .map(|(kind, n)| format!("{n} {}", kind.name()))
+        .collect();
+    let failed = all.iter().filter(|j| j.verdict.is_none()).count();
+    let failed = match failed {
+        0 => String::new(),
+        n => format!(" {n} of them could not be diagnosed and count as not right."),
+    };
+    let mut text = format!(
+        "## {}\n\n{}. {} cases: {}.{failed}\n\n### Against the goals\n\n{}",
+        chapter.title,
+        chapter.made,
+        all.len(),
+        kinds.join(", "),
+        tables::goals_table(all),
+    );
+    let parts = [
+        ("By strength, single effects", tables::by_strength(all)),
+        ("By effect, strength 1 and above", tables::by_effect(all)),
+        ("Where no name is right", tables::without_a_name(all)),
+        ("Two effects", tables::pairs(all)),
+        ("Calibration", tables::calibration(all)),
+        ("Parameters of effects named exactly", tables::parameters(all)),
+        ("Shrink of the mean square of the gap, medians", tables::shrink(all)),
+        ("Simpler rules on the same cases", tables::baselines(all)),
+        ("Not right", tables::missed(all)),
+    ];
+    for (title, table) in parts {
+        text += &format!("\n### {title}\n\n{table}");
+    }
+    text
+}

@@ -1,0 +1,147 @@
+//! Figures over many cases, and the goals they are held against.
+
+use serde::Serialize;
+
+use super::{Judged, JudgedParameter, Kind, Share};
+
+/// Strengths cases are drawn at; others count to the nearest by ratio.
+pub const LEVELS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
+
+/// Index into [`LEVELS`].
+pub fn level(strength: f64) -> usize {
+    let distance = |l: f64| (strength.max(1e-9) / l).ln().abs();
+    let nearest = |a: &usize, b: &usize| distance(LEVELS[*a]).total_cmp(&distance(LEVELS[*b]));
+    (0..LEVELS.len()).min_by(nearest).unwrap_or(0)
+}
+
+/// A figure beside its goal.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Goal {
+    pub figure: &'static str,
+    pub found: String,
+    pub goal: &'static str,
+    /// `None` where there was nothing to measure.
+    pub met: Option<bool>,
+}
+
+/// Cases of one kind.
+pub fn of(all: &[Judged], kind: Kind) -> Vec<&Judged> {
+    all.iter().filter(|j| j.kind == kind).collect()
+}
+
+/// Single effects at a strength of 1 and above.
+pub fn plain(all: &[Judged]) -> Vec<&Judged> {
+    of(all, Kind::Single).into_iter().filter(|j| strong(j)).collect()
+}
+
+fn strong(judged: &Judged) -> bool {
+    level(judged.strength) >= 1
+}
+
+pub fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, n) = values.fold((0.0, 0), |(sum, n), x| (sum + x, n + 1));
+    (n > 0).then(|| sum / f64::from(n))
+}
+
+pub fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+/// Of those named within the set.
+pub fn mean_set_size<'a>(cases: impl IntoIterator<Item = &'a Judged>) -> Option<f64> {
+    mean(cases.into_iter().filter(|j| j.set_size > 0).map(|j| j.set_size as f64))
+}
+
+/// Mean of (printed probability - right)^2.
+pub fn brier<'a>(cases: impl IntoIterator<Item = &'a Judged>) -> Option<f64> {
+    let square = |j: &Judged| (j.probability - f64::from(u8::from(j.right))).powi(2);
+    mean(cases.into_iter().filter(|j| j.verdict.is_some()).map(square))
+}
+
+/// Intervals of parameters that were named exactly.
+pub fn coverage(all: &[Judged]) -> Share {
+    Share::count(all.iter().flat_map(|j| &j.parameters), JudgedParameter::covers)
+}
+
+/// Realised shrink over the oracle's, where the answer is a named effect.
+pub fn of_oracle<'a>(cases: impl IntoIterator<Item = &'a Judged>) -> Vec<f64> {
+    let ratio = |j: &Judged| Some(j.realised? / j.oracle.filter(|o| *o > 0.05)?);
+    cases.into_iter().filter(|j| !j.causes.is_empty()).filter_map(ratio).collect()
+}
+
+/// The figures of the project's goals.
+pub fn goals(all: &[Judged]) -> Vec<Goal> {
+    let (plain, clean) = (plain(all), of(all, Kind::Clean));
+    let catalogue: Vec<&Judged> =
+        all.iter().filter(|j| matches!(j.kind, Kind::Single | Kind::Pair)).collect();
+    let outside = |j: &&Judged| matches!(j.kind, Kind::Withheld | Kind::Foreign);
+    let outside: Vec<&Judged> = all.iter().filter(outside).filter(|j| strong(j)).collect();
+    let pairs: Vec<&Judged> = of(all, Kind::Pair).into_iter().filter(|j| strong(j)).collect();
+    let count =
+        |cases: &[&Judged], hit: fn(&Judged) -> bool| Share::count(cases.iter().copied(), hit);
+    let at_least = |figure, share: Share, least: f64, goal| Goal {
+        figure,
+        found: share.to_string(),
+        goal,
+        met: share.value().map(|v| v >= least),
+    };
+    let at_most = |figure, share: Share, most: f64, goal| Goal {
+        figure,
+        found: share.to_string(),
+        goal,
+        met: share.value().map(|v| v <= most),
+    };
+    let number = |figure, value: Option<f64>, range: std::ops::RangeInclusive<f64>, goal| Goal {
+        figure,
+        found: value.map_or("-".into(), |v| format!("{v:.3}")),
+        goal,
+        met: value.map(|v| range.contains(&v)),
+    };
+    let covered = coverage(all);
+    let ratios = of_oracle(plain.iter().copied().filter(|j| j.top1_set));
+    vec![
+        at_least("top-1 within the set", count(&plain, |j| j.top1_set), 0.95, "at least .95"),
+        number(
+            "mean size of the set",
+            mean_set_size(plain.iter().copied()),
+            0.0..=1.3,
+            "at most 1.3",
+        ),
+        at_least("top-1 exactly", count(&plain, |j| j.top1), 0.9, "at least .90"),
+        at_least("joint", count(&plain, |j| j.joint), 0.95, "at least .95"),
+        at_most(
+            "false alarms, clean",
+            count(&clean, |j| !j.causes.is_empty()),
+            0.02,
+            "at most .02",
+        ),
+        at_most("wrong name, catalogue cases", count(&catalogue, |j| j.wrong), 0.02, "at most .02"),
+        at_least(
+            "unknown, withheld and foreign",
+            count(&outside, |j| j.abstained),
+            0.9,
+            "at least .90",
+        ),
+        number("Brier score, all cases", brier(all), 0.0..=0.08, "at most .08"),
+        Goal {
+            figure: "90 % intervals that cover",
+            found: covered.to_string(),
+            goal: ".85 to .95",
+            met: covered.value().map(|v| (0.85..=0.95).contains(&v)),
+        },
+        number(
+            "realised shrink over oracle's, median",
+            median(ratios.iter().copied()),
+            0.95..=f64::INFINITY,
+            "at least .95",
+        ),
+        at_least(
+            "pairs, both named within sets",
+            count(&pairs, |j| j.all_set),
+            0.75,
+            "at least .75",
+        ),
+    ]
+}
