@@ -23,6 +23,7 @@ pub mod motion;
 pub mod motor;
 pub mod recording;
 pub mod report;
+pub mod resimulation;
 pub mod robot;
 pub mod series;
 pub mod signals;

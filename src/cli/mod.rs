@@ -10,6 +10,7 @@ mod effects;
 mod identify;
 mod inspect;
 mod motor;
+mod progress;
 mod recovery;
 mod robots;
 mod simulate;

@@ -4,6 +4,7 @@ mod answer;
 mod blocks;
 mod floor;
 mod gap;
+mod mend;
 mod regimes;
 mod repeats;
 mod shrink;
@@ -16,6 +17,7 @@ pub use answer::{
 };
 pub use floor::{Floor, FloorFrom, noise_floor};
 pub use gap::gap;
+pub use mend::mend;
 pub use shrink::{BeforeAfter, torque_shrink};
 
 use crate::signals::Samples;

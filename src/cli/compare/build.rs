@@ -2,11 +2,12 @@
 
 use super::fit;
 use super::judge::{self, Report, Value};
-use super::replay;
 use super::summary;
+use crate::cli::progress;
 use crate::effects::{Effect, Parameter};
 use crate::identification::Terms;
 use crate::recording::Recording;
+use crate::resimulation::{closed_loop, command};
 use crate::series::JointSeries;
 use crate::signals::{Conditioning, Samples, condition};
 use crate::simulation::ControllerSettings;
@@ -36,10 +37,15 @@ pub fn compare(
         None => twin.clone(),
     };
     let samples = twin.correct(&samples);
-    let target_q = replay::command(recording, &samples)?;
+    let target_q = command(recording, &samples)?;
     let controller = ControllerSettings::default();
-    let simulated =
-        replay::replay(&twin, target_q.as_ref().unwrap_or(&samples.q), &samples, &controller)?;
+    let bar = progress::simulating(samples.len() as f64 * samples.dt);
+    let follow = target_q.as_ref().unwrap_or(&samples.q);
+    let simulated = closed_loop(&twin, follow, &samples, &controller, &mut |t| {
+        bar.set_position((1000.0 * t) as u64);
+        true
+    })?;
+    bar.finish_and_clear();
     let [measured, predicted] = torques(&twin, &samples)?;
     let names: Vec<String> = twin
         .robot
@@ -67,7 +73,7 @@ pub fn compare(
         time: (0..samples.len()).map(|k| k as f64 * samples.dt).collect(),
         torque: viewer::Torque { predicted: while_moving(&predicted, &samples), measured },
         recorded: viewer::Motion { q: samples.q, qd: samples.qd },
-        simulated,
+        simulated: viewer::Motion { q: simulated.q, qd: simulated.qd },
         target_q,
         summary: summary::markdown(&report, &notes),
         robot: twin.robot,

@@ -7,8 +7,6 @@ mod fit;
 #[cfg(feature = "viewer")]
 mod judge;
 #[cfg(feature = "viewer")]
-mod replay;
-#[cfg(feature = "viewer")]
 mod summary;
 
 #[cfg(feature = "viewer")]

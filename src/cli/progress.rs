@@ -1,0 +1,11 @@
+//! Progress of long work; bars hide themselves where standard error is not a terminal.
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// A bar over simulated milliseconds.
+#[cfg(feature = "viewer")]
+pub fn simulating(seconds: f64) -> ProgressBar {
+    let style = ProgressStyle::with_template("simulating {wide_bar} {percent} %, {eta} left");
+    ProgressBar::new((1000.0 * seconds) as u64)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

@@ -1,0 +1,70 @@
+//! How far a simulated twin stays from a recording.
+
+use super::{ResimulationError, closed_loop, open_loop};
+use crate::series::JointSeries;
+use crate::signals::Samples;
+use crate::simulation::ControllerSettings;
+use crate::twin::Twin;
+
+/// Root mean squares over all joints, simulated less recorded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    /// Closed loop, rad.
+    pub position_rad: f64,
+    /// Closed loop, of the drive, low-passed, where the joint slides, N.m.
+    pub torque_nm: f64,
+    /// Open loop at the end of a window, rad.
+    pub open_loop_rad: f64,
+}
+
+/// Of the twin led along `command` (rad, at the samples' instants) and of the twin driven by the
+/// recorded torque. `watch` as in [`closed_loop`].
+///
+/// # Errors
+/// If the twin cannot be simulated.
+pub fn errors(
+    twin: &Twin,
+    command: &JointSeries,
+    samples: &Samples,
+    controller: &ControllerSettings,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<Errors, ResimulationError> {
+    let replayed = closed_loop(twin, command, samples, controller, watch)?;
+    let filter = samples.torque_filter()?;
+    let low_passed = |x: &[f64]| {
+        let mut x = x.to_vec();
+        filter.iter().for_each(|f| f.apply(&mut x));
+        x
+    };
+    let [mut position, mut torque] = [Squares::default(); 2];
+    for j in 0..samples.joints() {
+        position.add(samples.q.joint(j), replayed.shown_q.joint(j), &samples.usable);
+        let [recorded, simulated] =
+            [&samples.torque, &replayed.torque].map(|s| low_passed(s.joint(j)));
+        torque.add(&recorded, &simulated, &samples.mask(j));
+    }
+    Ok(Errors {
+        position_rad: position.root_mean(),
+        torque_nm: torque.root_mean(),
+        open_loop_rad: open_loop(twin, samples)?,
+    })
+}
+
+#[derive(Clone, Copy, Default)]
+struct Squares {
+    sum: f64,
+    count: usize,
+}
+
+impl Squares {
+    fn add(&mut self, a: &[f64], b: &[f64], used: &[bool]) {
+        for ((a, b), _) in a.iter().zip(b).zip(used).filter(|(_, used)| **used) {
+            self.sum += (a - b).powi(2);
+            self.count += 1;
+        }
+    }
+
+    fn root_mean(&self) -> f64 {
+        (self.sum / self.count.max(1) as f64).sqrt()
+    }
+}
