@@ -6,6 +6,7 @@ mod compare;
 mod conditioning;
 mod convert;
 mod demo;
+mod diagnose;
 mod effects;
 mod identify;
 mod inspect;
@@ -35,6 +36,7 @@ enum Command {
     Compare(compare::Args),
     Convert(convert::Args),
     Demo(demo::Args),
+    Diagnose(diagnose::Args),
     Effects(effects::Args),
     Identify(identify::Args),
     Inspect(inspect::Args),
@@ -64,6 +66,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Compare(args) => compare::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::Diagnose(args) => diagnose::run(&args),
         Command::Effects(args) => effects::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Inspect(args) => inspect::run(&args),

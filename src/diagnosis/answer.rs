@@ -40,6 +40,8 @@ pub struct Diagnosis {
     /// Values of what the twin lists without values, fitted with the causes: one per joint (one in
     /// all for the whole arm), by parameter name.
     pub fitted: BTreeMap<String, Vec<f64>>,
+    /// The same, fitted without the causes.
+    pub fitted_before: BTreeMap<String, Vec<f64>>,
     /// What was noticed on the way, for people.
     pub notes: Vec<String>,
 }

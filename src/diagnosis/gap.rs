@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::blocks::interval;
+use super::bootstrap::interval;
 use super::floor::Floor;
 use super::regimes::{Condition, conditions, transmitted};
 use super::{Gap, JointGap, Regime};

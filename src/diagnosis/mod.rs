@@ -1,7 +1,7 @@
 //! The sim-to-real gap: where it lies, which effect causes it, how far it shrinks.
 
 mod answer;
-mod blocks;
+mod bootstrap;
 mod floor;
 mod gap;
 mod mend;
@@ -10,6 +10,7 @@ mod repeats;
 mod shrink;
 #[cfg(test)]
 mod testing;
+pub mod words;
 
 pub use answer::{
     Cause, Checked, Diagnosis, Gap, JointGap, JointShrink, Leftover, Named, Ranked, Regime,

@@ -1,6 +1,6 @@
 //! How far the gap shrinks on the recording that was not fitted on.
 
-use super::blocks::interval;
+use super::bootstrap::interval;
 use super::{Checked, JointShrink, TorqueShrink};
 use crate::series::JointSeries;
 use crate::signals::Samples;

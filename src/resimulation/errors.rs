@@ -2,7 +2,7 @@
 
 use super::{ResimulationError, closed_loop, open_loop};
 use crate::series::JointSeries;
-use crate::signals::Samples;
+use crate::signals::{Conditioning, LowPass, Samples};
 use crate::simulation::ControllerSettings;
 use crate::twin::Twin;
 
@@ -30,10 +30,10 @@ pub fn errors(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Errors, ResimulationError> {
     let replayed = closed_loop(twin, command, samples, controller, watch)?;
-    let filter = samples.torque_filter()?;
+    let filter = torque_filter(samples)?;
     let low_passed = |x: &[f64]| {
         let mut x = x.to_vec();
-        filter.iter().for_each(|f| f.apply(&mut x));
+        filter.apply(&mut x);
         x
     };
     let [mut position, mut torque] = [Squares::default(); 2];
@@ -48,6 +48,17 @@ pub fn errors(
         torque_nm: torque.root_mean(),
         open_loop_rad: open_loop(twin, samples)?,
     })
+}
+
+/// The conditioning's; where that has none, as slow as it usually is: else the recorded noise would
+/// hide what the motion needs.
+fn torque_filter(samples: &Samples) -> Result<LowPass, ResimulationError> {
+    if let Some(filter) = samples.torque_filter()? {
+        return Ok(filter);
+    }
+    let Conditioning { torque_cutoff_hz, filter_order, .. } = Conditioning::default();
+    let cutoff = torque_cutoff_hz.min(0.4 * samples.rate_hz());
+    Ok(LowPass::new(cutoff, samples.rate_hz(), filter_order)?)
 }
 
 #[derive(Clone, Copy, Default)]

@@ -9,6 +9,9 @@ const REPLICATIONS: usize = 400;
 /// the correlation of neighbouring rows alone does not tell; s.
 const SHORTEST_BLOCK_S: f64 = 1.0;
 
+/// Rows are summed over as long before they are resampled, s.
+const BIN_S: f64 = 0.1;
+
 /// 90 % interval of `of(sum of a, sum of b)` over rows `dt` s apart, resampled in blocks.
 pub fn interval(
     a: &[f64],
@@ -17,12 +20,15 @@ pub fn interval(
     seed: u64,
     of: impl Fn(f64, f64) -> f64,
 ) -> [f64; 2] {
+    let per_bin = ((BIN_S / dt) as usize).max(1);
+    let binned = |x: &[f64]| x.chunks(per_bin).map(|c| c.iter().sum()).collect::<Vec<f64>>();
+    let (a, b) = (binned(a), binned(b));
     let n = a.len();
-    let rho = autocorrelation(a, 1)[1];
-    let second = (SHORTEST_BLOCK_S / dt).ceil() as usize;
+    let rho = autocorrelation(&a, 1)[1];
+    let second = (SHORTEST_BLOCK_S / (dt * per_bin as f64)).ceil() as usize;
     let block = block_length(rho, n).max(second).clamp(1, (n / 3).max(1));
-    block_bootstrap(n, block, REPLICATIONS, LEVEL, seed, |rows| {
-        let sum = |x: &[f64]| rows.iter().map(|&k| x[k]).sum::<f64>();
-        of(sum(a), sum(b))
+    block_bootstrap(n, block, REPLICATIONS, LEVEL, seed, |bins| {
+        let sum = |x: &[f64]| bins.iter().map(|&k| x[k]).sum::<f64>();
+        of(sum(&a), sum(&b))
     })
 }

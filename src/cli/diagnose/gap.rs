@@ -1,0 +1,47 @@
+//! The gap by joint and by regime.
+
+use super::page::titled;
+use crate::diagnosis::{Gap, JointGap, words};
+use crate::report::table;
+
+pub fn section(gap: &Gap) -> String {
+    let header = ["joint", "gap N.m", "90 % low", "high", "noise floor", "from", "share"];
+    let row = |j: &JointGap| {
+        vec![
+            j.joint.to_string(),
+            format!("{:.3}", j.rms_nm),
+            format!("{:.3}", j.low_nm),
+            format!("{:.3}", j.high_nm),
+            format!("{:.3}", j.noise_floor_nm),
+            j.floor_from.clone(),
+            words::percent(j.share),
+        ]
+    };
+    let joints = table(&header, 1, gap.joints.iter().map(row));
+    let regimes = regimes(gap);
+    let legend = "+: more than the joint's gap as a whole. -: not in this recording";
+    titled("Where: recorded torque less the twin's", &format!("{joints}\n\n{regimes}\n{legend}"))
+}
+
+/// One row per regime, one column per joint, N.m.
+fn regimes(gap: &Gap) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for regime in gap.joints.iter().flat_map(|j| &j.regimes) {
+        if !names.contains(&regime.regime.as_str()) {
+            names.push(&regime.regime);
+        }
+    }
+    let cell = |joint: &JointGap, name: &str| {
+        let Some(r) = joint.regimes.iter().find(|r| r.regime == name) else { return "-".into() };
+        let more = if r.low_nm > joint.high_nm { "+" } else { " " };
+        format!("{:.3}{more}", r.rms_nm)
+    };
+    let row = |name: &&str| {
+        let cells = gap.joints.iter().map(|j| cell(j, name));
+        std::iter::once(name.replace('_', " ")).chain(cells).collect()
+    };
+    let joints: Vec<String> = gap.joints.iter().map(|j| format!("joint {} ", j.joint)).collect();
+    let header: Vec<&str> =
+        std::iter::once("regime, N.m").chain(joints.iter().map(String::as_str)).collect();
+    table(&header, 1, names.iter().map(row))
+}

@@ -1,0 +1,151 @@
+//! `armtwin diagnose`: where the twin differs from the arm, which effect it lacks, how far that helps.
+
+mod causes;
+mod gap;
+mod load;
+mod output;
+mod page;
+mod resimulate;
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+
+use self::load::Recorded;
+use super::conditioning::ConditioningArgs;
+use super::progress;
+use crate::diagnosis::{self, Diagnosis, Settings, mend};
+use crate::effects;
+use crate::recording::Recording;
+use crate::twin::Twin;
+
+/// Say where a twin differs from the arm, which effects it lacks, and how far adding them helps
+///
+/// The causes are searched on one recording and decided on another. What the twin lists without
+/// values (its friction) is fitted along and is no gap.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  armtwin diagnose --fit fit.csv --check check.csv --twin scenarios/twins/ur5.toml --out diagnosis
+  armtwin diagnose --fit diagnosed.csv --twin diagnosis/twin.toml
+  armtwin diagnose --fit Movement_No6 --check Movement_No7 --twin scenarios/twins/ur5_paper.toml
+  armtwin diagnose --fit fit.csv --check check.csv --without payload,link_inertia --json out.json
+
+Writes DIR/diagnosis.json and DIR/twin.toml, the twin with the causes and the fitted friction in it:
+held against the arm again, that twin shows what is left. Motion comes from the recorded command
+plus the smoothed tracking error where a command is recorded, else from the measured position.")]
+pub struct Args {
+    /// Recording to search causes on: file, or folder with one log per signal
+    #[arg(long, value_name = "RECORDING")]
+    fit: PathBuf,
+    /// Another recording, which decides [default: the second half of the first]
+    #[arg(long, value_name = "RECORDING")]
+    check: Option<PathBuf>,
+    /// What is known about the arm [default: the built-in UR5 with the paper's drive]
+    #[arg(long, value_name = "TWIN.toml")]
+    twin: Option<PathBuf>,
+    /// Column map (TOML) of CSVs without RTDE names
+    #[arg(long, value_name = "MAP.toml")]
+    columns: Option<PathBuf>,
+    /// Folder for diagnosis.json and twin.toml
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Effects to take out of the catalogue
+    #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
+    without: Vec<String>,
+    /// Of surrogates and bootstraps
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Searches repeated on surrogates [default: as diagnosis.json says under settings]
+    #[arg(long, value_name = "N")]
+    surrogates: Option<usize>,
+    /// Do not move the twin again in the simulation
+    #[arg(long)]
+    no_simulation: bool,
+    /// Write everything as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    conditioning: ConditioningArgs,
+}
+
+/// A diagnosis and all that led to it.
+pub(super) struct Diagnosed {
+    pub twin: Twin,
+    pub mended: Twin,
+    pub settings: Settings,
+    pub fit: Recorded,
+    pub check: Recorded,
+    pub diagnosis: Diagnosis,
+    /// Wall-clock, s.
+    pub seconds: f64,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let settings = args.settings()?;
+    let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
+    let recordings = load::condition(args.recordings()?, &twin, &args.conditioning)?;
+    if let Some(out) = &args.out {
+        std::fs::create_dir_all(out)
+            .with_context(|| format!("--out {}: cannot be made", out.display()))?;
+    }
+    let done = diagnose(twin, recordings, settings, !args.no_simulation)?;
+    print!("{}", page::page(&done));
+    if let Some(out) = &args.out {
+        output::write(&done, out)?;
+        println!("\n{}: diagnosis.json, twin.toml", out.display());
+    }
+    if let Some(path) = &args.json {
+        output::json(&done, path).with_context(|| format!("--json {}", path.display()))?;
+    }
+    Ok(())
+}
+
+/// Searches on the first recording, decides on the second, mends the twin and moves both twins
+/// again.
+pub(super) fn diagnose(
+    twin: Twin,
+    [fit, check]: [Recorded; 2],
+    settings: Settings,
+    simulate: bool,
+) -> anyhow::Result<Diagnosed> {
+    let clock = Instant::now();
+    let spinner = progress::spinner("searching for what the twin lacks");
+    let found = diagnosis::diagnose(&twin, &fit.samples, &check.samples, &settings)?;
+    let mended = mend(&twin, &found.fitted, &found.causes);
+    let mut diagnosis = found;
+    if simulate {
+        spinner.set_message("moving the twin again in the simulation");
+        resimulate::add(&mut diagnosis, &twin, &mended, &check);
+    }
+    spinner.finish_and_clear();
+    let seconds = clock.elapsed().as_secs_f64();
+    Ok(Diagnosed { twin, mended, settings, fit, check, diagnosis, seconds })
+}
+
+impl Args {
+    fn settings(&self) -> anyhow::Result<Settings> {
+        if let Some(unknown) = self.without.iter().find(|name| effects::find(name).is_none()) {
+            bail!("--without {unknown}: no such effect; choose from {}", effects::names());
+        }
+        let usual = Settings::default();
+        Ok(Settings {
+            without: self.without.clone(),
+            seed: self.seed,
+            surrogates: self.surrogates.unwrap_or(usual.surrogates),
+            ..usual
+        })
+    }
+
+    /// To search on and to decide on.
+    fn recordings(&self) -> anyhow::Result<[Recording; 2]> {
+        let read = |path: &Path| crate::recording::read(path, self.columns.as_deref());
+        let Some(check) = &self.check else { return Ok(load::halves(&read(&self.fit)?)) };
+        load::refuse_same_file(&self.fit, check)?;
+        let both = [read(&self.fit)?, read(check)?];
+        load::refuse_same_samples(&both)?;
+        Ok(both)
+    }
+}

@@ -1,0 +1,65 @@
+//! Files of a diagnosis.
+
+use std::path::Path;
+
+use anyhow::Context;
+use serde::Serialize;
+
+use super::Diagnosed;
+use crate::diagnosis::{Diagnosis, Settings, words};
+use crate::files::write_whole;
+use crate::recording::Provenance;
+use crate::signals::Conditioning;
+
+/// `diagnosis.json`: the diagnosis, and everything that led to it.
+#[derive(Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    diagnosis: &'a Diagnosis,
+    /// In one sentence.
+    says: String,
+    seed: u64,
+    settings: &'a Settings,
+    conditioning: &'a Conditioning,
+    fit: Source<'a>,
+    check: Source<'a>,
+    twin: String,
+    mended_twin: String,
+    seconds: f64,
+}
+
+#[derive(Serialize)]
+struct Source<'a> {
+    #[serde(flatten)]
+    provenance: &'a Provenance,
+    signals: &'a [String],
+}
+
+/// `out` exists.
+pub fn write(done: &Diagnosed, out: &Path) -> anyhow::Result<()> {
+    let name = |file: &str| format!("cannot write {}", out.join(file).display());
+    json(done, &out.join("diagnosis.json")).with_context(|| name("diagnosis.json"))?;
+    Ok(done.mended.save(&out.join("twin.toml"))?)
+}
+
+pub fn json(done: &Diagnosed, path: &Path) -> anyhow::Result<()> {
+    let source = |r: &super::load::Recorded| -> (Provenance, Vec<String>) {
+        (r.recording.provenance.clone(), r.samples.notes.clone())
+    };
+    let (fit, check) = (source(&done.fit), source(&done.check));
+    let document = Document {
+        diagnosis: &done.diagnosis,
+        says: words::sentence(&done.diagnosis),
+        seed: done.settings.seed,
+        settings: &done.settings,
+        conditioning: &done.fit.samples.conditioning,
+        fit: Source { provenance: &fit.0, signals: &fit.1 },
+        check: Source { provenance: &check.0, signals: &check.1 },
+        twin: done.twin.to_toml(),
+        mended_twin: done.mended.to_toml(),
+        seconds: done.seconds,
+    };
+    let text = serde_json::to_string_pretty(&document)?;
+    write_whole(path, |out| writeln!(out, "{text}"))?;
+    Ok(())
+}

@@ -1,0 +1,145 @@
+//! A diagnosis for people: the answer first, then what it rests on.
+
+use super::{Diagnosed, causes, gap};
+use crate::diagnosis::{Diagnosis, Ranked, words};
+use crate::report::{paragraph, table};
+
+/// Ranked candidates that are printed, besides "none" and "unknown".
+const RANKED: usize = 8;
+
+pub fn page(done: &Diagnosed) -> String {
+    findings(&done.diagnosis) + &circumstances(done)
+}
+
+pub fn findings(d: &Diagnosis) -> String {
+    let mut text = format!("{}\n", paragraph("", &words::sentence(d)));
+    text += &gap::section(&d.gap);
+    text += &causes::section(&d.causes);
+    text += &ranking(&d.ranking);
+    text += &shrink(d);
+    text += &causes::set_aside(d);
+    text += &leftover(d);
+    text + &next(d)
+}
+
+/// What is not there is left out.
+pub fn titled(title: &str, body: &str) -> String {
+    if body.trim().is_empty() { String::new() } else { format!("{title}\n{}\n\n", body.trim_end()) }
+}
+
+fn ranking(ranking: &[Ranked]) -> String {
+    let special = |r: &&Ranked| ["none", "unknown"].contains(&r.effect.as_str());
+    let (special, effects): (Vec<&Ranked>, Vec<&Ranked>) = ranking.iter().partition(special);
+    let shown = effects.iter().take(RANKED).chain(&special);
+    let row = |r: &&Ranked| {
+        let special = ["none", "unknown"].contains(&r.effect.as_str());
+        let place = if special { String::new() } else { words::place(&r.joints) };
+        let gain = |x: f64| if special { "-".into() } else { format!("{x:.1}") };
+        vec![
+            r.effect.clone(),
+            place,
+            words::percent(r.probability),
+            gain(r.gain_fit),
+            gain(r.gain_check),
+        ]
+    };
+    let rows = table(&["effect", "at", "probability", "gain fit", "check"], 2, shown.map(row));
+    let more = effects.len().saturating_sub(RANKED);
+    let rest = if more > 0 { format!("\n{more} more in diagnosis.json") } else { String::new() };
+    let legend =
+        "\ngain: in log-likelihood over the twin, on the recording searched and on the other";
+    titled("Which effect: candidates", &format!("{rows}{rest}{legend}"))
+}
+
+fn shrink(d: &Diagnosis) -> String {
+    let t = &d.shrink.torque;
+    let row = |what: String, before: f64, after: f64, share: String| {
+        vec![what, format!("{before:.3}"), format!("{after:.3}"), share]
+    };
+    let joints = t.joints.iter().map(|j| {
+        row(format!("joint {}", j.joint), j.before_nm, j.after_nm, words::percent(j.fraction))
+    });
+    let between = format!(
+        "{} ({} .. {})",
+        words::percent(t.fraction),
+        words::percent(t.low),
+        words::percent(t.high)
+    );
+    let total = row("all joints".into(), t.before_nm, t.after_nm, between);
+    let header = ["torque on the check recording", "before N.m", "after N.m", "of mean square"];
+    let mut body = table(&header, 1, joints.chain([total]));
+    body += &format!("\nof what lies above the noise floor: {}\n", words::percent(t.reducible));
+    if let Some(s) = &d.shrink.simulation {
+        let mrad = |rad: f64| format!("{:.3}", 1e3 * rad);
+        let both =
+            |what: &str, before: String, after: String| vec![what.to_string(), before, after];
+        let rows = [
+            both("position, closed loop, mrad", mrad(s.before_rad), mrad(s.after_rad)),
+            both(
+                "torque, closed loop, N.m",
+                format!("{:.3}", s.torque_before_nm),
+                format!("{:.3}", s.torque_after_nm),
+            ),
+            both(
+                &format!(
+                    "position {} s after a recorded state, driven by its torque, mrad",
+                    s.window_s
+                ),
+                mrad(s.open_loop_before_rad),
+                mrad(s.open_loop_after_rad),
+            ),
+        ];
+        body += &format!(
+            "\n{}",
+            table(&["twin simulated again, less recorded", "before", "after"], 1, rows)
+        );
+    }
+    titled("How far the gap shrinks", &body)
+}
+
+fn leftover(d: &Diagnosis) -> String {
+    let chi2: Vec<String> = d.leftover.chi2_per_sample.iter().map(|x| format!("{x:.2}")).collect();
+    if chi2.is_empty() {
+        return String::new();
+    }
+    let mut body =
+        format!("mean square over that of the noise, joint by joint: {}\n", chi2.join(" "));
+    if !d.leftover.says.is_empty() {
+        body += &paragraph("", &d.leftover.says);
+    }
+    let systematic = if d.leftover.systematic { "something systematic" } else { "noise" };
+    titled(&format!("What is left: {systematic}"), &body)
+}
+
+fn next(d: &Diagnosis) -> String {
+    titled("Next experiment", &paragraph("", &d.next_experiment))
+}
+
+fn circumstances(done: &Diagnosed) -> String {
+    let (d, s) = (&done.diagnosis, &done.settings);
+    let mut text =
+        format!("armtwin {}  diagnose  seed {}  {:.1} s\n", d.armtwin, s.seed, done.seconds);
+    text += &paragraph("  robot    ", &done.twin.source);
+    for (what, r) in [("fit", &done.fit), ("check", &done.check)] {
+        let from = &r.recording.provenance;
+        text += &paragraph(&format!("  {what:8} "), &format!("{} ({})", from.source, from.format));
+        let notes = from.notes.iter().chain(&r.samples.notes);
+        notes.for_each(|note| text += &paragraph("           ", note));
+    }
+    let without = match s.without.is_empty() {
+        true => "nothing".into(),
+        false => s.without.join(", "),
+    };
+    text += &paragraph(
+        "  settings ",
+        &format!(
+            "{} surrogates, link masses known to {:.0} %, centres to {:.0} mm, taken out of the \
+             catalogue: {without}",
+            s.surrogates,
+            100.0 * s.mass_error,
+            1e3 * s.centre_error_m
+        ),
+    );
+    d.notes.iter().for_each(|note| text += &paragraph("  note     ", note));
+    text
+}

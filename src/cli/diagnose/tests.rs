@@ -1,0 +1,148 @@
+//! What is printed of a diagnosis made by hand.
+
+use super::{causes, page};
+use crate::diagnosis::{
+    Cause, Checked, Diagnosis, Gap, JointGap, JointShrink, Leftover, Named, Ranked, Regime, Shrink,
+    SimulationShrink, TorqueShrink, Untestable, Value, Verdict, words,
+};
+
+fn by_hand() -> Diagnosis {
+    let regime = |name: &str, rms_nm: f64| Regime {
+        regime: name.into(),
+        rms_nm,
+        low_nm: 0.9 * rms_nm,
+        high_nm: 1.1 * rms_nm,
+        noise_floor_nm: 0.5,
+        time_fraction: 0.3,
+    };
+    let joint = |joint: usize, rms_nm: f64| JointGap {
+        joint,
+        rms_nm,
+        low_nm: 0.9 * rms_nm,
+        high_nm: 1.1 * rms_nm,
+        noise_floor_nm: 0.5,
+        floor_from: "estimate".into(),
+        share: rms_nm / 4.0,
+        regimes: vec![regime("slow", 2.0 * rms_nm), regime("back_driven", rms_nm)],
+    };
+    let ranked = |effect: &str, probability: f64| Ranked {
+        effect: effect.into(),
+        joints: vec![],
+        probability,
+        gain_fit: 812.25,
+        gain_check: 790.5,
+    };
+    let mass = Value {
+        name: "payload_mass".into(),
+        unit: "kg".into(),
+        value: 2.805,
+        low: 2.7,
+        high: 2.9,
+        at_bound: false,
+    };
+    let untestable = |joint: usize| Untestable {
+        effect: "temperature_friction".into(),
+        joints: vec![joint],
+        why: "no temperatures are recorded".into(),
+    };
+    Diagnosis {
+        schema: "armtwin.diagnosis/1".into(),
+        armtwin: "0.0.0".into(),
+        verdict: Verdict::Explained,
+        gap: Gap { joints: vec![joint(1, 1.0), joint(2, 3.0)] },
+        causes: vec![Cause {
+            effect: "payload".into(),
+            joints: vec![],
+            probability: 0.97,
+            equivalent: vec![Named { effect: "link_inertia".into(), joints: vec![6] }],
+            parameters: vec![mass],
+            shrink: Checked {
+                check_before_nm: 3.2,
+                check_after_nm: 0.5,
+                fraction: 0.9756,
+                low: 0.95,
+                high: 0.98,
+            },
+            cause: "a tool at the flange".into(),
+            remedy: "add a body".into(),
+        }],
+        shrink: Shrink {
+            torque: TorqueShrink {
+                before_nm: 3.2,
+                after_nm: 0.5,
+                fraction: 0.9756,
+                low: 0.95,
+                high: 0.98,
+                reducible: 0.999,
+                joints: vec![JointShrink {
+                    joint: 1,
+                    before_nm: 1.0,
+                    after_nm: 0.5,
+                    fraction: 0.75,
+                }],
+            },
+            simulation: Some(SimulationShrink {
+                before_rad: 0.012,
+                after_rad: 0.001,
+                fraction: 0.993,
+                window_s: 0.2,
+                ..SimulationShrink::default()
+            }),
+        },
+        ranking: vec![ranked("payload", 0.97), ranked("unknown", 0.02), ranked("none", 0.01)],
+        untestable: vec![untestable(2), untestable(5)],
+        rejected: vec![],
+        leftover: Leftover { chi2_per_sample: vec![1.02, 0.98], ..Leftover::default() },
+        next_experiment: "slow plateaus in both directions".into(),
+        fitted: Default::default(),
+        fitted_before: Default::default(),
+        notes: vec![],
+    }
+}
+
+#[test]
+fn the_answer_is_one_sentence() {
+    let said = words::sentence(&by_hand());
+    for part in ["payload at the whole arm (97 %, or what", "from 3.20 to 0.50 N.m", "nothing"] {
+        assert!(said.contains(part), "no {part:?} in {said}");
+    }
+    assert_eq!(said.matches(". ").count(), 0, "{said}");
+    let none = Diagnosis { verdict: Verdict::NoGap, causes: vec![], ..by_hand() };
+    assert!(words::sentence(&none).starts_with("No gap"), "{}", words::sentence(&none));
+    let foreign = Diagnosis { verdict: Verdict::Unexplained, causes: vec![], ..by_hand() };
+    let said = words::sentence(&foreign);
+    assert!(said.contains("75 % of it on joint 2") && said.contains("no effect"), "{said}");
+}
+
+#[test]
+fn everything_found_is_on_the_page() {
+    let text = page::findings(&by_hand());
+    assert!(text.starts_with("The twin lacks payload"), "{text}");
+    let parts = [
+        "back driven",
+        "6.000+",
+        "payload_mass",
+        "2.805",
+        "link_inertia at joint 6",
+        "temperature_friction (joints 2, 5): no temperatures",
+        "99.9 %",
+        "12.000",
+        "slow plateaus",
+        "1.02 0.98",
+    ];
+    for part in parts {
+        assert!(text.contains(part), "no {part:?} in\n{text}");
+    }
+    let order = ["Where", "causes", "candidates", "How far", "cannot test", "What is left", "Next"];
+    let places: Vec<_> =
+        order.iter().map(|t| text.find(t).unwrap_or_else(|| panic!("{t}"))).collect();
+    assert!(places.is_sorted(), "{places:?}\n{text}");
+}
+
+#[test]
+fn what_is_not_there_has_no_title() {
+    let none = Diagnosis { causes: vec![], untestable: vec![], ..by_hand() };
+    let text = page::findings(&none);
+    assert!(!text.contains("causes, strongest") && !text.contains("cannot test"), "{text}");
+    assert_eq!(causes::section(&[]), "");
+}

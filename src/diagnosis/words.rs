@@ -1,0 +1,84 @@
+//! A diagnosis in sentences.
+
+use super::{Cause, Diagnosis, Verdict};
+
+/// "joint 2", "joints 1, 3" or "the whole arm"; joints count from 1.
+pub fn place(joints: &[usize]) -> String {
+    let list: Vec<String> = joints.iter().map(ToString::to_string).collect();
+    match joints.len() {
+        0 => "the whole arm".into(),
+        1 => format!("joint {}", list[0]),
+        _ => format!("joints {}", list.join(", ")),
+    }
+}
+
+/// What is wrong with the twin, how sure that is, and what adding it brings, in one sentence.
+pub fn sentence(d: &Diagnosis) -> String {
+    let torque = &d.shrink.torque;
+    let shrunk = format!(
+        "the gap shrinks from {:.2} to {:.2} N.m on the check recording ({} of its mean square, {} to {})",
+        torque.before_nm,
+        torque.after_nm,
+        percent(torque.fraction),
+        percent(torque.low),
+        percent(torque.high),
+    );
+    match d.verdict {
+        Verdict::NoGap => format!(
+            "No gap: the twin's torque agrees with the recorded one as far as its noise lets one \
+             see ({:.2} N.m apart).",
+            torque.before_nm
+        ),
+        Verdict::Explained => {
+            format!(
+                "The twin lacks {}; with it {shrunk}, and nothing systematic is left.",
+                causes(d)
+            )
+        }
+        Verdict::PartlyExplained => format!(
+            "The twin lacks {}; with it {shrunk}, but something systematic is left{}.",
+            causes(d),
+            remark(&d.leftover.says)
+        ),
+        Verdict::Unexplained => format!(
+            "The twin differs by {:.2} N.m{}, and no effect of the catalogue is shown to be the \
+             cause{}.",
+            torque.before_nm,
+            worst(d),
+            remark(&d.leftover.says)
+        ),
+    }
+}
+
+fn causes(d: &Diagnosis) -> String {
+    let one = |c: &Cause| {
+        let also = match c.equivalent.len() {
+            0 => "",
+            _ => ", or what looks the same here",
+        };
+        format!("{} at {} ({}{also})", c.effect, place(&c.joints), percent(c.probability))
+    };
+    d.causes.iter().map(one).collect::<Vec<_>>().join(" and ")
+}
+
+/// Where most of the gap lies.
+fn worst(d: &Diagnosis) -> String {
+    let joints = d.gap.joints.iter();
+    match joints.max_by(|a, b| a.share.total_cmp(&b.share)).filter(|j| j.share > 0.0) {
+        Some(j) => format!(", {} of it on joint {}", percent(j.share), j.joint),
+        None => String::new(),
+    }
+}
+
+fn remark(text: &str) -> String {
+    let text = text.trim().trim_end_matches('.');
+    if text.is_empty() { String::new() } else { format!(" ({text})") }
+}
+
+/// "97 %"; never "100 %" for less than that.
+pub fn percent(share: f64) -> String {
+    match share {
+        s if s < 1.0 && s > 0.995 => format!("{:.1} %", (1000.0 * s).floor() / 10.0),
+        s => format!("{:.0} %", 100.0 * s),
+    }
+}
