@@ -49,7 +49,11 @@ enum Source {
 
 impl ConditioningArgs {
     pub fn conditioning(&self) -> Conditioning {
-        let usual = Conditioning::default();
+        self.over(Conditioning::default())
+    }
+
+    /// `usual` with what was given written over it.
+    pub fn over(&self, usual: Conditioning) -> Conditioning {
         Conditioning {
             rate_hz: self.rate.or(usual.rate_hz),
             derivatives: self.derivatives.map_or(usual.derivatives, Source::derivatives),

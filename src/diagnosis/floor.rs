@@ -1,5 +1,8 @@
 //! The noise floor: what recorded torque would differ by from a perfect twin's.
 
+use std::f64::consts::TAU;
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::repeats::cycle;
@@ -41,8 +44,11 @@ impl FloorFrom {
 const FEWEST_PAIRS: usize = 200;
 /// Of the Nyquist frequency: where current holds noise and no motion; beyond, interpolation damps.
 const QUIET: [f64; 2] = [0.5, 0.9];
-/// Of the motion's low-pass: where position holds more noise than motion, not yet damped.
-const PASSED: [f64; 2] = [0.5, 0.75];
+/// Of the motion's low-pass: where position holds more noise than motion. Below, the motion's own
+/// spectrum lies above the encoder's noise; the damping is made good.
+const PASSED: [f64; 2] = [1.0, 1.25];
+/// Samples of the responses to an impulse.
+const IMPULSE: usize = 2001;
 /// Poses the mass matrix is averaged over.
 const POSES: usize = 64;
 
@@ -91,18 +97,22 @@ fn estimate(samples: &Samples, twin: &Twin, filter: Option<&LowPass>) -> Vec<f64
     let nyquist = 0.5 * samples.rate_hz();
     let quiet = QUIET[0] * nyquist..QUIET[1] * nyquist;
     let motion = match samples.conditioning.motion_cutoff_hz {
-        0.0 => quiet.clone(),
-        cutoff => PASSED[0] * cutoff..(PASSED[1] * cutoff).min(QUIET[1] * nyquist),
+        cutoff if cutoff > 0.0 && PASSED[1] * cutoff < QUIET[1] * nyquist => {
+            PASSED[0] * cutoff..PASSED[1] * cutoff
+        }
+        _ => quiet.clone(),
     };
     let source = if from_velocity(samples) { &samples.qd } else { &samples.q };
-    let spread = |(series, band): (&JointSeries, &std::ops::Range<f64>)| -> Vec<f64> {
+    let spread = |(series, band): (&JointSeries, &Range<f64>)| -> Vec<f64> {
         let of = |j| noise_from_periodogram(series.joint(j), samples.rate_hz(), band.clone());
         let finite = |sigma: f64| if sigma.is_finite() { sigma } else { 0.0 };
         (0..samples.joints()).into_par_iter().map(of).map(finite).collect()
     };
-    let [torque, position] = [(&samples.torque, &quiet), (source, &motion)].map(spread);
+    let [torque, mut position] = [(&samples.torque, &quiet), (source, &motion)].map(spread);
+    let damping = damping(samples, &motion);
+    position.iter_mut().for_each(|p| *p /= damping);
     let (g_tau, g_qdd) =
-        (noise_gain(filter, |x| x), noise_gain(filter, |x| differentiated(samples, x)));
+        (noise_gain(filter, |x| x), noise_gain(filter, |x| conditioned(samples, x, 1)));
     let inertia = squared_inertia(samples, twin);
     let of_joint = |i: usize| {
         let carried = inertia[i].iter().zip(&position).map(|(m, p)| m * p * p);
@@ -119,36 +129,50 @@ fn from_velocity(samples: &Samples) -> bool {
 /// What unit white noise comes to, as variance, after `treat` and the torque filter: the sum of
 /// squares of the response to an impulse.
 pub(super) fn noise_gain(filter: Option<&LowPass>, treat: impl Fn(Vec<f64>) -> Vec<f64>) -> f64 {
-    const LENGTH: usize = 2001;
-    let mut impulse = vec![0.0; LENGTH];
-    impulse[LENGTH / 2] = 1.0;
+    let mut impulse = vec![0.0; IMPULSE];
+    impulse[IMPULSE / 2] = 1.0;
     let mut response = treat(impulse);
     filter.iter().for_each(|f| f.apply(&mut response));
     response.iter().map(|r| r * r).sum()
 }
 
-/// Acceleration from a recorded position (or velocity), as conditioning makes it.
-fn differentiated(samples: &Samples, mut x: Vec<f64>) -> Vec<f64> {
+/// What conditioning leaves of unit noise in a band of the recorded position (or velocity): the
+/// geometric mean of its gain.
+fn damping(samples: &Samples, band_hz: &Range<f64>) -> f64 {
+    const FREQUENCIES: usize = 16;
+    let mut impulse = vec![0.0; IMPULSE];
+    impulse[IMPULSE / 2] = 1.0;
+    let response = conditioned(samples, impulse, 0);
+    let gain = |i: usize| {
+        let share = (i as f64 + 0.5) / FREQUENCIES as f64;
+        let hz = band_hz.start + share * (band_hz.end - band_hz.start);
+        let wave = |(k, h): (usize, &f64)| {
+            h * (TAU * hz * samples.dt * (k as f64 - (IMPULSE / 2) as f64)).cos()
+        };
+        response.iter().enumerate().map(wave).sum::<f64>().abs()
+    };
+    let mean = (0..FREQUENCIES).map(|i| gain(i).ln()).sum::<f64>() / FREQUENCIES as f64;
+    mean.exp().clamp(1e-3, 1.0)
+}
+
+/// The position (or velocity) as conditioning smooths it, or with `order` 1 the acceleration that
+/// it makes of it.
+fn conditioned(samples: &Samples, mut x: Vec<f64>, order: usize) -> Vec<f64> {
     let (how, dt) = (&samples.conditioning, samples.dt);
     let cutoff = how.motion_cutoff_hz;
-    let low_passed = |x: &mut Vec<f64>| {
+    if how.derivatives == Derivatives::TrackingError {
+        let cutoff = if cutoff > 0.0 { cutoff } else { 0.4 / dt };
+        return SavitzkyGolay::with_cutoff(cutoff, 1.0 / dt, 4).apply(&x, 2 * order);
+    }
+    if how.derivatives != Derivatives::Paper {
         let filter = LowPass::if_wanted(cutoff, 1.0 / dt, how.filter_order).ok().flatten();
-        filter.iter().for_each(|f| f.apply(x));
-    };
-    match how.derivatives {
-        Derivatives::Position => {
-            low_passed(&mut x);
-            second_difference(&x, dt)
-        }
-        Derivatives::TrackingError => {
-            let cutoff = if cutoff > 0.0 { cutoff } else { 0.4 / dt };
-            SavitzkyGolay::with_cutoff(cutoff, 1.0 / dt, 4).apply(&x, 2)
-        }
-        Derivatives::Recorded => {
-            low_passed(&mut x);
-            central_difference(&x, dt)
-        }
-        Derivatives::Paper => mean_difference(&x, dt),
+        filter.iter().for_each(|f| f.apply(&mut x));
+    }
+    match (order, how.derivatives) {
+        (0, _) => x,
+        (_, Derivatives::Recorded) => central_difference(&x, dt),
+        (_, Derivatives::Paper) => mean_difference(&x, dt),
+        _ => second_difference(&x, dt),
     }
 }
 
@@ -179,15 +203,14 @@ fn rotor_inertia(twin: &Twin, joint: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::TAU;
-
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, Normal};
 
     use super::*;
     use crate::diagnosis::testing::samples;
-    use crate::signals::Conditioning;
+    use crate::recording::{Channel, Provenance, Recording};
+    use crate::signals::{Conditioning, condition};
 
     const SIGMA_NM: f64 = 2.0;
 
@@ -247,5 +270,55 @@ mod tests {
             .map_joints(|j, tau| tau.iter().zip(friction.joint(j)).map(|(t, f)| t + f).collect());
         let floor = noise_floor(&made, &Twin::default());
         assert!(floor.iter().all(|f| f.noise_nm < 1.1 * expected(&made)), "{floor:?}");
+    }
+
+    /// Recorded with noise on current and encoder and conditioned: what the right twin leaves.
+    #[test]
+    fn the_floor_is_what_a_perfect_twin_leaves() {
+        use Derivatives::{Position, TrackingError};
+        let twin = Twin::default();
+        let exact = samples(6, 6000, |j, t| {
+            0.8 * (TAU * t / 8.0 + j as f64).sin() + 0.3 * (2.3 * TAU * t / 8.0).sin()
+        });
+        let tau = twin.torque(&twin.motion(&exact));
+        let mut rng = ChaCha8Rng::seed_from_u64(9);
+        let mut noisy = |series: &JointSeries, sigma: f64| {
+            let noise = Normal::new(0.0, sigma).unwrap();
+            series.map_joints(|_, x| x.iter().map(|x| x + noise.sample(&mut rng)).collect())
+        };
+        let (torque, q) = (noisy(&tau, 0.05), noisy(&exact.q, 1e-4));
+        let mut recording = Recording {
+            time: (0..6000).map(|k| k as f64 * 0.008).collect(),
+            channels: Vec::new(),
+            provenance: Provenance::default(),
+        };
+        for (stem, series) in [
+            ("actual_q", &q),
+            ("joint_torque", &torque),
+            ("target_q", &exact.q),
+            ("target_qd", &exact.qd),
+            ("target_qdd", &exact.qdd),
+        ] {
+            for j in 0..6 {
+                let (name, values) = (format!("{stem}_{j}"), series.joint(j).to_vec());
+                recording.channels.push(Channel { name, values });
+            }
+        }
+        for (derivatives, motion_cutoff_hz) in [(Position, 12.0), (TrackingError, 10.0)] {
+            let how = Conditioning { derivatives, motion_cutoff_hz, ..Conditioning::default() };
+            let made = condition(&recording, &twin.drive, 6, &how).unwrap();
+            let known = twin.torque(&twin.motion(&made));
+            let filter = made.torque_filter().unwrap().unwrap();
+            for (j, floor) in noise_floor(&made, &twin).iter().enumerate() {
+                let mut left: Vec<f64> =
+                    made.torque.joint(j).iter().zip(known.joint(j)).map(|(t, k)| t - k).collect();
+                filter.apply(&mut left);
+                let used: Vec<f64> =
+                    (0..6000).filter(|&k| made.usable[k]).map(|k| left[k]).collect();
+                let rms = (used.iter().map(|r| r * r).sum::<f64>() / used.len() as f64).sqrt();
+                let ratio = floor.noise_nm / rms;
+                assert!((ratio - 1.0).abs() < 0.2, "{derivatives:?}, joint {}: {ratio}", j + 1);
+            }
+        }
     }
 }
