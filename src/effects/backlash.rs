@@ -1,8 +1,10 @@
 //! Backlash: the link hangs half a gap behind the side its load pulls to, tau_load = K x beyond it.
 //!
-//! Positions are the motor's. How the link crosses the gap while its load passes through zero is
-//! not linear in the gap: the columns are worked out at gap0 and hold where the fitted gap comes
-//! near it (fit again with gap0 = gap). Felt by all joints. Injecting takes the gap alone.
+//! Positions are the motor's. How the link crosses the gap while its load passes through zero, and
+//! how it winds the touching teeth up, is not linear in the gap: the columns are worked out at gap0
+//! with all of that and hold where the fitted gap comes near it (fit again with gap0 = gap). Felt by
+//! all joints. Of several slack joints each column takes the others for rigid. Injecting takes the
+//! gap alone.
 
 use super::wind_up::{lagging, wind_up};
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission, starts};
@@ -12,7 +14,7 @@ pub struct Backlash;
 
 static ABOUT: About = About {
     name: "backlash",
-    law: "tau = ID(q - (gap/2) sign(tau_load)) - ID(q)",
+    law: "tau = ID(q - w) - ID(q),  |w| = gap/2 + |tau_load|/K",
     scope: Scope::Link,
     parameters: &[
         Parameter {
@@ -85,13 +87,8 @@ impl Effect for Backlash {
 
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
         let [stiffness, damping, gap] = *nonlinear else { return vec![] };
-        let slack = Transmission { stiffness, damping, gap, ..Transmission::default() };
-        let tight = Transmission { gap: 0.0, ..slack };
-        let [slack, tight] =
-            [slack, tight].map(|law| lagging(motion, from, &wind_up(motion, from, &law), gap));
-        vec![slack.map_joints(|j, slack| {
-            slack.iter().zip(tight.joint(j)).map(|(slack, tight)| slack - tight).collect()
-        })]
+        let law = Transmission { stiffness, damping, gap, ..Transmission::default() };
+        vec![lagging(motion, from, &wind_up(motion, from, &law), gap)]
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {

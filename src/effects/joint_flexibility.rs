@@ -2,8 +2,8 @@
 //!
 //! Positions are the motor's. The wind-up follows the load through the joint's resonance, which
 //! is not linear in c: the columns are worked out at the compliance c0 and hold where the fitted c
-//! comes near it (fit again with c0 = c). Felt by all joints. Hysteresis is injected; the columns
-//! leave it out. Injecting takes c alone.
+//! comes near it (fit again with c0 = c). Felt by all joints. Of several elastic joints each column
+//! takes the others for rigid. Injecting takes c alone.
 
 use super::wind_up::{lagging, wind_up};
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission, starts};
@@ -105,9 +105,17 @@ impl Effect for JointFlexibility {
     }
 
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
-        let [hardening, damping, _, _, reference] = *nonlinear else { return vec![] };
-        let stiffness = 1.0 / reference;
-        let law = Transmission { stiffness, hardening, damping, ..Transmission::default() };
+        let [hardening, damping, hysteresis, hysteresis_width, reference] = *nonlinear else {
+            return vec![];
+        };
+        let law = Transmission {
+            stiffness: 1.0 / reference,
+            hardening,
+            damping,
+            gap: 0.0,
+            hysteresis,
+            hysteresis_width,
+        };
         vec![lagging(motion, from, &wind_up(motion, from, &law), reference)]
     }
 

@@ -1,5 +1,6 @@
 //! What effects change before the first step.
 
+use super::hysteresis::dahl;
 use crate::robot::Robot;
 
 /// What a simulation is built from. Vectors have one entry per joint.
@@ -49,6 +50,17 @@ impl Transmission {
     pub fn damping_at(&self, wind_up: f64) -> f64 {
         let touches = self.gap == 0.0 || self.beyond_gap(wind_up) != 0.0;
         if touches { self.damping } else { 0.0 }
+    }
+
+    /// The state of the hysteresis, -1 to 1, after a wind-up by `dw` (rad) more.
+    pub fn bent(&self, z: f64, dw: f64) -> f64 {
+        if self.hysteresis > 0.0 { dahl(z, dw, self.hysteresis_width) } else { z }
+    }
+
+    /// Of small wind-ups, N.m/rad.
+    pub(super) fn stiffest(&self) -> f64 {
+        let bristles = self.hysteresis / self.hysteresis_width.max(f64::MIN_POSITIVE);
+        self.stiffness + if self.hysteresis > 0.0 { bristles } else { 0.0 }
     }
 
     fn beyond_gap(&self, wind_up: f64) -> f64 {

@@ -48,7 +48,6 @@ mod tests;
 
 pub use catalogue::{CATALOGUE, find, names};
 pub use channels::Channels;
-pub use hysteresis::dahl;
 pub use mechanism::{ControlChange, Mechanism, Transmission};
 pub use motion::Motion;
 pub use state::{ArmState, JointLoad, JointState};

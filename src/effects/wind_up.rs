@@ -29,7 +29,8 @@ pub(super) fn wind_up(motion: &Motion<'_>, joint: usize, transmission: &Transmis
     let parts = (motion.dt / STEP_S).ceil().max(1.0);
     let h = motion.dt / parts;
     let mut w = transmission.wind_up(load.first().copied().unwrap_or(0.0));
-    let mut rate = 0.0;
+    let (mut rate, mut z) = (0.0, 0.0);
+    let stiffest = transmission.stiffest();
     let mut means = [(); 3].map(|()| Vec::with_capacity(load.len()));
     for k in 0..load.len() {
         let mut sums = [0.0; 3];
@@ -37,11 +38,12 @@ pub(super) fn wind_up(motion: &Motion<'_>, joint: usize, transmission: &Transmis
             let along = (i as f64 + 0.5) / parts - 0.5;
             let at = |x: &[f64]| between(x, k, along);
             let damping = transmission.damping_at(w);
-            let torque = transmission.torque(w) + damping * rate;
-            let lightest = h * (4.0 * h * transmission.stiffness).max(2.0 * damping);
+            let torque = transmission.torque(w) + transmission.hysteresis * z + damping * rate;
+            let lightest = h * (4.0 * h * stiffest).max(2.0 * damping);
             let acceleration = (at(load) - torque) / at(&inertia).max(lightest);
             rate += h * acceleration;
             w += h * rate;
+            z = transmission.bent(z, h * rate);
             sums = [sums[0] + w, sums[1] + rate, sums[2] + acceleration];
         }
         means.iter_mut().zip(sums).for_each(|(mean, sum)| mean.push(sum / parts));

@@ -7,7 +7,7 @@ use super::error::IdentificationError;
 use super::problem::{Column, Curve, JointProblem, Parameter, Reduce};
 use super::terms::Terms;
 use super::{separable, shared};
-use crate::effects::{self, About, Motion, Role, Scope, Seen};
+use crate::effects::{self, About, Effect, Motion, Role, Scope, Seen};
 use crate::robot::Robot;
 use crate::series::JointSeries;
 use crate::signals::{LowPass, Rows, Samples};
@@ -44,11 +44,15 @@ pub fn assemble(
     }
     let samples = &twin.correct(samples);
     let mut arm = assemble_laden(samples, twin, terms, &twin.laden())?;
-    if terms.contains("load_friction") && !arm.shared.is_empty() {
-        // Gears carry the load that is being fitted, too: once more with it built in.
+    let open = open_references(twin, terms);
+    if !arm.shared.is_empty() && (terms.contains("load_friction") || !open.is_empty()) {
+        // Gears carry the load that is being fitted, too, and references follow what is fitted:
+        // once more with both.
         let found = shared::solve(&arm, &separable::Settings::default())?;
-        let laden = with_shared(twin, terms, &arm.shared, &found).laden();
-        arm = assemble_laden(samples, twin, terms, &laden)?;
+        let fitted = with_shared(twin, terms, &arm.shared, &found);
+        let mut settled = twin.clone();
+        settled.values.extend(open.iter().filter_map(|(e, p)| settled_on(&fitted, *e, p)));
+        arm = assemble_laden(samples, &settled, terms, &fitted.laden())?;
     }
     if arm.joints.iter().all(|j| j.samples() == 0) {
         let threshold = samples.conditioning.standstill_rad_s;
@@ -56,6 +60,23 @@ pub fn assemble(
     }
     arm.set_bounds(bounds)?;
     Ok(arm)
+}
+
+/// References of effects to be fitted that the twin leaves open.
+fn open_references(twin: &Twin, terms: &Terms) -> Vec<(&'static dyn Effect, &'static str)> {
+    let effects = terms.names().into_iter().filter_map(effects::find);
+    let of = |e: &'static dyn Effect| e.about().parameters.iter().map(move |p| (e, p));
+    let open = |p: &effects::Parameter| p.is_reference() && !twin.values.contains_key(p.name);
+    effects.flat_map(of).filter(|(_, p)| open(p)).map(|(e, p)| (e, p.name)).collect()
+}
+
+/// What a reference is in a twin that knows everything else of its effect.
+fn settled_on(fitted: &Twin, effect: &dyn Effect, name: &str) -> Option<(String, Vec<f64>)> {
+    let about = effect.about();
+    let place = about.parameters.iter().position(|p| p.name == name)?;
+    let joints = if about.scope == Scope::Arm { 1 } else { fitted.robot.dof() };
+    let at = |joint| Some(*fitted.values_at(effect, joint)?.get(place)?);
+    Some((name.to_string(), (0..joints).map(at).collect::<Option<_>>()?))
 }
 
 /// The problems where the gears carry `laden`.

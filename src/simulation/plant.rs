@@ -26,7 +26,7 @@ use rapier3d_f64::prelude::{
     PhysicsWorld, Pose, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
 };
 
-use crate::effects::{JointLoad, Mechanism, Transmission, dahl};
+use crate::effects::{JointLoad, Mechanism, Transmission};
 use crate::robot::{Body, Inertia, Placement, Robot, Workspace, gravity_torque};
 
 /// Gauss-Seidel sweeps over the friction constraints of all joints in a step.
@@ -317,9 +317,7 @@ impl Wound {
     fn torque(&mut self, coordinates: &[f64], velocities: &[f64], step_s: f64) -> f64 {
         let (wind_up, rate) = (-coordinates[self.dof], -velocities[self.dof]);
         let t = &self.transmission;
-        if t.hysteresis > 0.0 {
-            self.z = dahl(self.z, rate * step_s, t.hysteresis_width);
-        }
+        self.z = t.bent(self.z, rate * step_s);
         t.torque(wind_up) + t.hysteresis * self.z
     }
 }

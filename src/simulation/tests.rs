@@ -185,6 +185,31 @@ fn an_elastic_joint_swings_as_two_masses_do() {
     assert!((momentum - 1.0).abs() < 1e-6, "{momentum}");
 }
 
+/// A torque that turns motor and wheel alike: the joint carries 2/2.5 of it. Softly applied, it winds
+/// up until K w + K3 w^3 + h (1 - exp(-w / width)) is that much.
+#[test]
+fn a_joint_hardens_and_holds_back_as_it_winds_up() {
+    let mut mechanism = wheel();
+    mechanism.armature[0] = 0.5;
+    let law = crate::effects::Transmission {
+        stiffness: 2000.0,
+        hardening: 1e8,
+        damping: 200.0,
+        hysteresis: 3.0,
+        hysteresis_width: 2e-3,
+        gap: 0.0,
+    };
+    mechanism.transmission[0] = Some(law);
+    let mut plant = Plant::new(&mechanism, 1e-4).unwrap();
+    let mut wind_up = 0.0;
+    for k in 0..20_000 {
+        plant.step(&[25.0 * (k as f64 / 10_000.0).min(1.0)], &[JointLoad::default()]);
+        wind_up = plant.q()[0] - plant.link_motion()[0][0];
+    }
+    let carried = 2000.0 * wind_up + 1e8 * wind_up.powi(3) + 3.0 * (1.0 - (-wind_up / 2e-3).exp());
+    assert!((carried - 20.0).abs() < 0.02, "{wind_up}: {carried}");
+}
+
 /// 3 mrad of play: a motor that pushes the wheel one way and the other moves alone in between.
 #[test]
 fn a_slack_joint_has_a_dead_zone() {

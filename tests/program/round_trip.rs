@@ -40,8 +40,12 @@ impl Case {
         let mut scenario = Scenario::load(&file).unwrap();
         scenario.shorten(DURATION_S);
         let table = scenario.effects.get_mut(about.name).unwrap();
-        let scales = |p: &&Parameter| p.role == Role::Linear || p.name.ends_with("_reference");
-        for p in about.parameters.iter().filter(scales) {
+        about
+            .parameters
+            .iter()
+            .filter(|p| p.is_reference())
+            .for_each(|p| drop(table.remove(p.name)));
+        for p in about.parameters.iter().filter(|p| p.role == Role::Linear) {
             let scaled = match &table[p.name] {
                 PerJoint::All(x) => PerJoint::All(strength * x),
                 PerJoint::Each(x) => PerJoint::Each(x.iter().map(|x| strength * x).collect()),

@@ -44,8 +44,10 @@ fn closed_form(name: &str) -> (Vec<f64>, Vec<[f64; 3]>, f64) {
         "link_inertia" => (vec![0.0, 0.1, 0.0, 0.0], at(0.0, 0.0, 0.0), 0.981),
         // -20 N at 0.5 m
         "external_contact" => (vec![0.0, 0.0, -20.0, 0.0, 1.0, 1.0], at(0.0, 0.0, 0.0), 10.0),
-        // Upright; x dips by 1e-4: 1e-4 x 3 kg x 9.81 m/s2 x 0.4 m pull it over
-        "base_tilt" => (vec![0.0, 1e-4], at(right_angle, 0.0, 0.0), 1.1772e-3),
+        // Upright; x dips by 0.1: sin(0.1) x 3 kg x 9.81 m/s2 x 0.4 m pull it over
+        "base_tilt" => {
+            (vec![0.0, 0.1, 0.0, 0.1], at(right_angle, 0.0, 0.0), 11.772 * f64::sin(0.1))
+        }
         // Shown upright, truly 1e-4 before it
         "encoder_offset" => (vec![1e-4], at(right_angle, 0.0, 0.0), 1.1772e-3),
         // 10 % of 3 kg x 9.81 m/s2 x 0.4 m
@@ -104,14 +106,32 @@ fn an_elastic_wheel_answers_as_two_masses_do() {
     assert!((spring.wind_up(-20.0) + 3e-3).abs() < 1e-9);
 }
 
-/// Half a gap under 11.772 N.m cos q: the gravity torque changes by its slope times the wind-up.
+/// Held still under 11.772 N.m cos q, wound up from zero: K w + K3 w^3 + h (1 - exp(-w / width)).
+#[test]
+fn a_hardening_joint_with_hysteresis_winds_up_less() {
+    let (q, c, k3, h, width) = (1.0_f64, 1e-3, 1e8, 2.0, 2e-3);
+    let samples = Samples::rows(&[[q, 0.0, 0.0]; 90]);
+    let nonlinear = [k3, 20.0, h, width, c];
+    let column = &find("joint_flexibility").unwrap().columns(&samples.motion(), 0, &nonlinear)[0];
+    let w = column[80] * c / (11.772 * q.sin());
+    let (load, law) = (11.772 * q.cos(), Transmission::default());
+    let law = Transmission { stiffness: 1.0 / c, hardening: k3, ..law };
+    // The bristle starts unbent where the spring alone carries the load, and bends back from there.
+    let start = law.wind_up(load);
+    let carried = law.torque(w) + h * ((-(start - w) / width).exp() - 1.0);
+    assert!(start > w && (carried - load).abs() < 1e-2 * load, "{w} {start}: {carried} {load}");
+}
+
+/// Half a gap and 2e4 N.m/rad under 11.772 N.m cos q: the gravity torque changes by its slope times
+/// the wind-up.
 #[test]
 fn backlash_lets_the_link_hang_behind() {
     let q = 1.0;
     let samples = Samples::rows(&[[q, 0.0, 0.0]; 90]);
     let torque = samples.explained(find("backlash").unwrap(), &[1e-3, 2e4, 20.0, 1e-3], 0);
-    let expected = 5e-4 * 11.772 * f64::sin(q);
-    assert!((torque.joint(0)[80] - expected).abs() < 1e-7, "{} {expected}", torque.joint(0)[80]);
+    let wind_up = 5e-4 + 11.772 * f64::cos(q) / 2e4;
+    let expected = wind_up * 11.772 * f64::sin(q);
+    assert!((torque.joint(0)[80] - expected).abs() < 1e-6, "{} {expected}", torque.joint(0)[80]);
 }
 
 /// Ramps and steps through the sensors, by closed form.
