@@ -42,6 +42,9 @@ pub struct Diagnosis {
     pub fitted: BTreeMap<String, Vec<f64>>,
     /// The same, fitted without the causes.
     pub fitted_before: BTreeMap<String, Vec<f64>>,
+    /// The search, round by round: the evidence.
+    #[serde(default)]
+    pub rounds: Vec<RoundEvidence>,
     /// What was noticed on the way, for people.
     pub notes: Vec<String>,
 }
@@ -206,7 +209,37 @@ pub struct Rejected {
 pub struct Leftover {
     /// Per joint: mean square of what is left over that of the noise; 1 where nothing is.
     pub chi2_per_sample: Vec<f64>,
+    /// Per joint: power below 4 Hz over that where nothing moves; 1 for noise.
+    #[serde(default)]
+    pub in_motion_band: Vec<f64>,
     pub systematic: bool,
     /// What it goes along with, for people.
     pub says: String,
+}
+
+/// One round of the search: a cause was added, or none.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RoundEvidence {
+    /// Share of surrogate gaps that a search explains as well as the real one.
+    pub p: f64,
+    /// Power in the motion's band over the noise, per joint, before this round.
+    pub in_motion_band: Vec<f64>,
+    pub accepted: Option<Named>,
+    /// Why nothing was added.
+    pub declined: Option<String>,
+    /// The best, by score.
+    pub ranked: Vec<Scored>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Scored {
+    pub effect: String,
+    pub joints: Vec<usize>,
+    /// `gain_fit` + `gain_check` less the price of the parameters, nats.
+    pub score: f64,
+    pub gain_fit: f64,
+    pub gain_check: f64,
+    pub at_bound: Option<String>,
+    /// In the order of the effect's parameters.
+    pub values: Vec<f64>,
 }

@@ -2,20 +2,37 @@
 
 mod answer;
 mod bootstrap;
+mod candidate;
+mod columns;
+mod conditioning;
+mod evidence;
 mod floor;
 mod gap;
+mod intervals;
+mod leftover;
 mod mend;
+mod model;
+mod probability;
 mod regimes;
 mod repeats;
+mod search;
+mod select;
 mod shrink;
+mod significance;
+mod surrogates;
+mod system;
 #[cfg(test)]
 mod testing;
+mod untestable;
+mod verdict;
 pub mod words;
 
 pub use answer::{
     Cause, Checked, Diagnosis, Gap, JointGap, JointShrink, Leftover, Named, Ranked, Regime,
-    Rejected, Shrink, SimulationShrink, TorqueShrink, Untestable, Value, Verdict,
+    Rejected, RoundEvidence, Scored, Shrink, SimulationShrink, TorqueShrink, Untestable, Value,
+    Verdict,
 };
+pub use conditioning::conditioning;
 pub use floor::{Floor, FloorFrom, noise_floor};
 pub use gap::gap;
 pub use mend::mend;
@@ -66,10 +83,17 @@ pub enum DiagnosisError {
 /// # Errors
 /// If a recording has too few sliding samples to fit the twin.
 pub fn diagnose(
-    _twin: &Twin,
-    _fit: &Samples,
-    _check: &Samples,
-    _settings: &Settings,
+    twin: &Twin,
+    fit: &Samples,
+    check: &Samples,
+    settings: &Settings,
 ) -> Result<Diagnosis, DiagnosisError> {
-    Err(DiagnosisError::Recording("the search is being written".into()))
+    let (fit, check) = (twin.correct(fit), twin.correct(check));
+    let floors = [noise_floor(&fit, twin), noise_floor(&check, twin)];
+    let evidence = |samples, floor| evidence::Evidence::new(twin, samples, floor);
+    let (fit, check) = (evidence(&fit, &floors[0])?, evidence(&check, &floors[1])?);
+    let candidates = candidate::candidates(twin, &settings.without);
+    let search = select::Search { fit: &fit, check: &check, settings, candidates };
+    let [_, floor] = floors.clone();
+    Ok(verdict::findings(&search, floor).answer())
 }

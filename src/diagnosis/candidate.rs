@@ -1,0 +1,165 @@
+//! What may be missing in the twin: an effect of the catalogue, somewhere.
+
+use super::columns::Blocks;
+use super::evidence::Evidence;
+use crate::effects::{CATALOGUE, Channels, Effect, Motion, Role, Scope, Seen};
+use crate::twin::Twin;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Place {
+    Joint(usize),
+    /// All joints, with the same parameters.
+    Arm,
+}
+
+impl Place {
+    /// As users count: from 1, empty for the whole arm.
+    pub fn joints(self) -> Vec<usize> {
+        match self {
+            Place::Joint(j) => vec![j + 1],
+            Place::Arm => Vec::new(),
+        }
+    }
+
+    fn has(self, joint: usize) -> bool {
+        self == Place::Arm || self == Place::Joint(joint)
+    }
+}
+
+#[derive(Clone, Copy)]
+pub struct Candidate {
+    pub effect: &'static dyn Effect,
+    pub place: Place,
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name() && self.place == other.place
+    }
+}
+
+impl std::fmt::Debug for Candidate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {:?}", self.name(), self.place)
+    }
+}
+
+/// A candidate with its nonlinear parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Term {
+    pub candidate: Candidate,
+    pub nonlinear: Vec<f64>,
+    /// Linear parameters that are held at zero, which is their bound.
+    pub held: Vec<bool>,
+}
+
+impl Term {
+    pub fn new(candidate: Candidate, nonlinear: Vec<f64>) -> Self {
+        Self { candidate, nonlinear, held: vec![false; candidate.linear()] }
+    }
+
+    /// The columns of those parameters that are not held.
+    pub fn series(&self, motion: &Motion<'_>) -> Vec<Vec<Vec<f64>>> {
+        let mut columns = self.candidate.series(motion, &self.nonlinear);
+        for (column, _) in columns.iter_mut().zip(&self.held).filter(|(_, held)| **held) {
+            column.iter_mut().for_each(Vec::clear);
+        }
+        columns
+    }
+}
+
+/// Every effect that torque can show, wherever the twin lacks it; not those in `without`.
+pub fn candidates(twin: &Twin, without: &[String]) -> Vec<Candidate> {
+    let lacks = |name: &str| !twin.effects.iter().chain(without).any(|n| n == name);
+    let shown = CATALOGUE.iter().filter(|e| e.seen() != Seen::Simulation);
+    let missing = shown.filter(|e| lacks(e.about().name));
+    missing.flat_map(|e| places(*e, twin).map(|place| Candidate { effect: *e, place })).collect()
+}
+
+/// One joint at a time, and all alike where the parameters do not depend on a joint's size.
+fn places(effect: &dyn Effect, twin: &Twin) -> impl Iterator<Item = Place> + use<> {
+    let about = effect.about();
+    let sizeless = about.parameters.iter().all(|p| matches!(p.unit, "-" | "s"));
+    let each = if about.scope == Scope::Arm { 0 } else { twin.robot.dof() };
+    let arm = about.scope == Scope::Arm || (about.scope == Scope::Joint && sizeless);
+    (0..each).map(Place::Joint).chain(arm.then_some(Place::Arm))
+}
+
+impl Candidate {
+    pub fn name(&self) -> &'static str {
+        self.effect.about().name
+    }
+
+    pub fn linear(&self) -> usize {
+        self.effect.about().parameters.iter().filter(|p| p.role == Role::Linear).count()
+    }
+
+    /// Does it change the recorded channels instead of adding torque?
+    pub fn senses(&self) -> bool {
+        self.effect.seen() == Seen::Channels
+    }
+
+    /// Rows of nonlinear parameters to begin a search with.
+    pub fn starts(&self, motion: &Motion<'_>) -> Vec<Vec<f64>> {
+        let joint = if let Place::Joint(j) = self.place { j } else { 0 };
+        self.effect.starts(motion, joint)
+    }
+
+    /// One column per linear parameter, before sensors: series over all samples by joint, empty
+    /// where it does not act.
+    pub fn series(&self, motion: &Motion<'_>, nonlinear: &[f64]) -> Vec<Vec<Vec<f64>>> {
+        let joints = motion.q.joints();
+        let mut columns = vec![vec![Vec::new(); joints]; self.linear()];
+        if self.senses() {
+            return columns;
+        }
+        match (self.effect.about().scope, self.place) {
+            (Scope::Link, Place::Joint(from)) => {
+                let reach = self.effect.reach(motion, from, nonlinear);
+                for (column, series) in columns.iter_mut().zip(reach) {
+                    column.iter_mut().enumerate().for_each(|(j, c)| *c = series.joint(j).to_vec());
+                }
+            }
+            _ => {
+                for joint in (0..joints).filter(|&j| self.place.has(j)) {
+                    let at_joint = self.effect.columns(motion, joint, nonlinear);
+                    columns.iter_mut().zip(at_joint).for_each(|(c, series)| c[joint] = series);
+                }
+            }
+        }
+        columns
+    }
+}
+
+/// What sensors with the given channel effects show of a joint's torque.
+pub fn sense(
+    evidence: &Evidence<'_>,
+    sensors: &[Term],
+    joint: usize,
+    torque: Vec<f64>,
+) -> Vec<f64> {
+    let here = |t: &&Term| t.candidate.senses() && t.candidate.place.has(joint);
+    sensors.iter().filter(here).fold(torque, |torque, term| {
+        let none = Vec::new;
+        let dt = evidence.samples.dt;
+        let mut channels = Channels {
+            dt,
+            q: none(),
+            qd: none(),
+            qdd: none(),
+            torque,
+            velocity_is_recorded: false,
+        };
+        term.candidate.effect.measure(&term.nonlinear, &mut channels);
+        channels.torque
+    })
+}
+
+/// Series before sensors -> what the rows show of them.
+pub fn shown(evidence: &Evidence<'_>, sensors: &[Term], column: Vec<Vec<f64>>) -> Blocks {
+    let one = |(joint, series): (usize, Vec<f64>)| match series.iter().any(|v| *v != 0.0) {
+        true => evidence.block(joint, sense(evidence, sensors, joint, series)),
+        false => Vec::new(),
+    };
+    Blocks(column.into_iter().enumerate().map(one).collect())
+}

@@ -1,0 +1,23 @@
+//! How a recording is conditioned for a diagnosis, where its user does not say.
+
+use crate::recording::Recording;
+use crate::signals::{Conditioning, Derivatives};
+
+/// Where a command of all `dof` joints is recorded with its derivatives, motion is that command
+/// plus the smoothed tracking error: hardly any differentiation noise, so the torque need not be
+/// filtered and reversals stay sharp. Else the defaults of a regression on measured positions.
+pub fn conditioning(recording: &Recording, dof: usize) -> Conditioning {
+    let commanded =
+        |stem: &str| (0..dof).all(|j| recording.channel(&format!("{stem}_{j}")).is_some());
+    match ["target_q", "target_qd", "target_qdd"].into_iter().all(commanded) {
+        true => Conditioning {
+            derivatives: Derivatives::TrackingError,
+            motion_cutoff_hz: 10.0,
+            torque_cutoff_hz: 0.0,
+            standstill_rad_s: 0.03,
+            guard_s: 0.04,
+            ..Conditioning::default()
+        },
+        false => Conditioning::default(),
+    }
+}

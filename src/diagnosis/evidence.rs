@@ -1,0 +1,105 @@
+//! A recording as evidence: the recorded torque, where it counts, and how noisy it is.
+
+use super::DiagnosisError;
+use super::columns::Blocks;
+use super::floor::Floor;
+use crate::effects::Motion;
+use crate::robot::Robot;
+use crate::series::JointSeries;
+use crate::signals::{LowPass, Samples};
+use crate::twin::Twin;
+
+/// Fewer rows of a joint say nothing about it.
+pub const FEWEST_ROWS: usize = 100;
+
+pub struct Evidence<'a> {
+    pub twin: &'a Twin,
+    pub samples: &'a Samples,
+    /// Samples used, joint by joint: sliding, usable, decimated; none where there are too few.
+    pub rows: Vec<Vec<usize>>,
+    /// Standard deviation of the noise of `torque`, joint by joint, N.m.
+    pub sigma: Vec<f64>,
+    /// Recorded torque at the rows, N.m, filtered as all columns are.
+    pub torque: Blocks,
+    filter: Option<LowPass>,
+}
+
+impl<'a> Evidence<'a> {
+    /// # Errors
+    /// If no joint slides long enough.
+    pub fn new(
+        twin: &'a Twin,
+        samples: &'a Samples,
+        floor: &[Floor],
+    ) -> Result<Self, DiagnosisError> {
+        let filter = samples.torque_filter()?;
+        let sigma = floor.iter().map(|f| f.noise_nm).collect();
+        let rows: Vec<Vec<usize>> = (0..samples.joints())
+            .map(|j| samples.rows(j).samples)
+            .map(|rows| if rows.len() < FEWEST_ROWS { Vec::new() } else { rows })
+            .collect();
+        if rows.iter().all(Vec::is_empty) {
+            let problem = format!(
+                "no joint has {FEWEST_ROWS} samples of sliding motion (|qd| above {} rad/s): \
+                 record a motion of the joints in question",
+                samples.conditioning.standstill_rad_s
+            );
+            return Err(DiagnosisError::Recording(problem));
+        }
+        let mut evidence = Self { twin, samples, rows, sigma, torque: Blocks::default(), filter };
+        let torque = |j| evidence.block(j, samples.torque.joint(j).to_vec());
+        evidence.torque = Blocks((0..samples.joints()).map(torque).collect());
+        Ok(evidence)
+    }
+
+    pub fn joints(&self) -> usize {
+        self.samples.joints()
+    }
+
+    /// The motion, as felt by `robot`.
+    pub fn motion<'b>(&'b self, robot: &'b Robot) -> Motion<'b> {
+        Motion { robot, ..self.twin.motion(self.samples) }
+    }
+
+    /// A series over all samples of a joint -> its rows, filtered as the torque is.
+    pub fn block(&self, joint: usize, series: Vec<f64>) -> Vec<f64> {
+        let rows = &self.rows[joint];
+        if rows.is_empty() {
+            return Vec::new();
+        }
+        let mut series = [series];
+        if let Some(filter) = &self.filter {
+            filter.apply_many(&mut series);
+        }
+        rows.iter().map(|&k| series[0][k]).collect()
+    }
+
+    /// Rows over all samples, zero elsewhere.
+    pub fn over_time(&self, rows: &Blocks) -> JointSeries {
+        let mut series = JointSeries::zeros(self.joints(), self.samples.len());
+        for (j, places) in self.rows.iter().enumerate() {
+            let all = series.joint_mut(j);
+            places.iter().zip(rows.joint(j)).for_each(|(&k, v)| all[k] = *v);
+        }
+        series
+    }
+
+    /// True at the rows, joint by joint.
+    pub fn masks(&self) -> Vec<Vec<bool>> {
+        let mask = |rows: &Vec<usize>| {
+            let mut mask = vec![false; self.samples.len()];
+            rows.iter().for_each(|&k| mask[k] = true);
+            mask
+        };
+        self.rows.iter().map(mask).collect()
+    }
+
+    /// 1/sigma^2 of the noise or of what a residual shows, whichever is larger, joint by joint.
+    pub fn weights(&self, squares: &[f64]) -> Vec<f64> {
+        let level = |(j, s): (usize, &f64)| {
+            let mean_square = s / self.rows[j].len().max(1) as f64;
+            1.0 / mean_square.max(self.sigma[j].powi(2)).max(f64::MIN_POSITIVE)
+        };
+        squares.iter().enumerate().map(level).collect()
+    }
+}

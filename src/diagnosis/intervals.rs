@@ -1,0 +1,100 @@
+//! Intervals of the causes' parameters.
+//!
+//! From the information matrix of all linear parameters and of the nonlinear ones that were
+//! searched (their columns by central differences), samples counted by what is independent in the
+//! residual.
+
+use nalgebra::DVector;
+
+use super::columns::Blocks;
+use super::evidence::Evidence;
+use super::model::{Built, Fit, Model};
+use super::select::{effective_shares, searched};
+use super::system::System;
+use super::{Value, answer};
+use crate::effects::Role;
+use crate::statistics::normal_quantile;
+
+/// Of the intervals.
+pub const LEVEL: f64 = 0.9;
+/// Of a nonlinear parameter, relative; a hundredth of its range for zero.
+const DIFFERENCE: f64 = 1e-3;
+
+/// Values of every cause with intervals, in the order of the causes.
+pub fn values(fit: &Fit<'_, '_>) -> Vec<Vec<answer::Value>> {
+    let (columns, places) = columns(fit);
+    let shares = effective_shares(&fit.system.residual);
+    let weights: Vec<f64> =
+        fit.evidence.weights(&fit.squares).iter().zip(&shares).map(|(w, s)| w * s).collect();
+    let none = vec![f64::INFINITY; columns.len()];
+    let system = System::solve(columns, &fit.system.residual, weights, &none);
+    let wide = normal_quantile(0.5 + 0.5 * LEVEL);
+    let cause = |i: usize| {
+        let values = fit.values(i);
+        let candidate = fit.model.causes[i].candidate;
+        let parameters = candidate.effect.about().parameters.iter().zip(values).enumerate();
+        let value = |(k, (p, value)): (usize, (&crate::effects::Parameter, f64))| {
+            let half = places[i][k].map_or(0.0, |column| wide * system.variance(column).sqrt());
+            let near = 1e-3 * (p.max - p.min).min(1e6);
+            Value {
+                name: p.name.into(),
+                unit: p.unit.into(),
+                value,
+                low: (value - half).max(p.min),
+                high: (value + half).min(p.max),
+                at_bound: places[i][k].is_some()
+                    && value != p.null
+                    && (value <= p.min || value >= p.max - near),
+            }
+        };
+        parameters.map(value).collect()
+    };
+    (0..fit.model.causes.len()).map(cause).collect()
+}
+
+/// All columns, and where each parameter's is: `None` where it was not searched.
+fn columns(fit: &Fit<'_, '_>) -> (Vec<Blocks>, Vec<Vec<Option<usize>>>) {
+    let mut columns = fit.system.columns.clone();
+    let mut places = Vec::new();
+    for (i, term) in fit.model.causes.iter().enumerate() {
+        let linear: Vec<usize> = fit.model.range(i).collect();
+        let free = searched(term.candidate, &fit.motion());
+        let mut of_cause = Vec::new();
+        for (k, p) in term.candidate.effect.about().parameters.iter().enumerate() {
+            of_cause.push(match p.role {
+                Role::Linear => (!term.held[k]).then(|| linear[k]),
+                Role::Nonlinear if free.contains(&(k - linear.len())) => {
+                    columns.push(slope(fit, i, k - linear.len(), p));
+                    Some(columns.len() - 1)
+                }
+                Role::Nonlinear => None,
+            });
+        }
+        places.push(of_cause);
+    }
+    (columns, places)
+}
+
+/// d torque / d nonlinear parameter `k` of cause `i`, N.m per unit.
+fn slope(fit: &Fit<'_, '_>, i: usize, k: usize, p: &crate::effects::Parameter) -> Blocks {
+    let value = fit.model.causes[i].nonlinear[k];
+    let step = if value != 0.0 { DIFFERENCE * value.abs() } else { 0.01 * (p.max - p.min) };
+    let at = |value: f64| {
+        let mut model = fit.model.clone();
+        model.causes[i].nonlinear[k] = value;
+        predicted(fit.evidence, &model, &fit.system.x)
+    };
+    let mut slope = at(value + step);
+    slope.add_scaled(-1.0, &at(value - step));
+    slope.0.iter_mut().flatten().for_each(|s| *s /= 2.0 * step);
+    slope
+}
+
+/// What a model gives at the values `x`, less the recorded torque, N.m.
+fn predicted(evidence: &Evidence<'_>, model: &Model, x: &DVector<f64>) -> Blocks {
+    let built = Built::new(evidence, model);
+    let mut sum = built.y;
+    sum.0.iter_mut().flatten().for_each(|v| *v = -*v);
+    built.columns.iter().zip(x.iter()).for_each(|(c, x)| sum.add_scaled(*x, c));
+    sum
+}

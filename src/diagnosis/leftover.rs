@@ -1,0 +1,135 @@
+//! Is something systematic left, once the causes are taken off?
+//!
+//! Sensor noise is spread over all frequencies, what a model lacks lies where the arm moves. So the
+//! residual's power in the band of the motion is held against its level where nothing moves: their
+//! ratio is 1 for noise and far more sensitive than the sum of squares.
+
+use rustfft::{FftPlanner, num_complex::Complex};
+
+use super::Leftover;
+use super::columns::Blocks;
+use super::evidence::Evidence;
+
+/// Of the motion, Hz.
+const MOTION_HZ: f64 = 4.0;
+/// Of the Nyquist frequency: where nothing moves.
+const QUIET: [f64; 2] = [0.5, 0.9];
+/// Ratios up to which nothing systematic is claimed: encoder noise through the arm's inertia and
+/// small errors of a signature stay below it.
+pub const SYSTEMATIC: f64 = 2.0;
+/// Smallest ratio over the joints up to which a twin counts as exact: some joint is at its noise.
+const EXACT: f64 = 4.0;
+
+/// Power in the band of the motion over the level of the noise, joint by joint; 1 where a joint
+/// has no rows.
+pub fn in_motion_band(evidence: &Evidence<'_>, residual: &Blocks) -> Vec<f64> {
+    let decimation = evidence.samples.decimation();
+    let rate = evidence.samples.rate_hz() / decimation as f64;
+    residual.0.iter().map(|rows| ratio(rows, rate)).collect()
+}
+
+fn ratio(rows: &[f64], rate_hz: f64) -> f64 {
+    let power = periodogram(rows);
+    let per_hz = rows.len() as f64 / rate_hz;
+    let at = |hz: f64| ((hz * per_hz) as usize).clamp(1, power.len().max(1) - 1);
+    let quiet = [QUIET[0], QUIET[1]].map(|share| at(0.5 * share * rate_hz));
+    let (low, high) = (at(0.0)..at(MOTION_HZ), quiet[0]..quiet[1]);
+    if power.is_empty() || low.is_empty() || high.is_empty() {
+        return 1.0;
+    }
+    let mean = |band: &[f64]| band.iter().sum::<f64>() / band.len() as f64;
+    let noise = mean(&power[high]);
+    if noise > 0.0 { mean(&power[low]) / noise } else { 1.0 }
+}
+
+/// |FFT|^2 with a Hann window, frequencies 0 to half the rate.
+fn periodogram(x: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    if n < 16 {
+        return Vec::new();
+    }
+    let hann = |k: usize| 0.5 - 0.5 * (std::f64::consts::TAU * (k as f64 + 0.5) / n as f64).cos();
+    let mut values: Vec<Complex<f64>> =
+        x.iter().enumerate().map(|(k, x)| Complex { re: hann(k) * x, im: 0.0 }).collect();
+    FftPlanner::new().plan_fft_forward(n).process(&mut values);
+    values[..n / 2].iter().map(Complex::norm_sqr).collect()
+}
+
+/// What the causes leave, in short.
+pub struct Remains {
+    /// Per joint, before and after the causes.
+    pub before: Vec<f64>,
+    pub after: Vec<f64>,
+}
+
+impl Remains {
+    pub fn new(evidence: &Evidence<'_>, before: &Blocks, after: &Blocks) -> Self {
+        Self { before: in_motion_band(evidence, before), after: in_motion_band(evidence, after) }
+    }
+
+    /// How far from its noise even the best joint is: 1 for an exact twin.
+    pub fn inexactness(&self) -> f64 {
+        self.after.iter().copied().fold(f64::INFINITY, f64::min).max(1.0)
+    }
+
+    pub fn is_exact(&self) -> bool {
+        self.inexactness() < EXACT
+    }
+
+    /// The largest ratio left.
+    pub fn worst(&self, joints: &[usize]) -> f64 {
+        joints.iter().map(|&j| self.after[j]).fold(1.0, f64::max)
+    }
+
+    /// Of what was systematic at a joint, the share that is gone.
+    pub fn explained(&self, joint: usize) -> f64 {
+        let above = |x: f64| (x - 1.0).max(0.0);
+        match above(self.before[joint]) {
+            before if before > 0.0 => 1.0 - above(self.after[joint]) / before,
+            _ => 1.0,
+        }
+    }
+}
+
+/// For the answer: levels on the check recording and what they mean.
+pub fn leftover(evidence: &Evidence<'_>, after: &Blocks, remains: &Remains) -> Leftover {
+    let level = |(j, s): (usize, f64)| {
+        let n = evidence.rows[j].len().max(1) as f64;
+        s / n / evidence.sigma[j].powi(2).max(f64::MIN_POSITIVE)
+    };
+    let chi2_per_sample = after.squares().into_iter().enumerate().map(level).collect();
+    let worse: Vec<usize> =
+        (0..remains.after.len()).filter(|&j| remains.after[j] > SYSTEMATIC).collect();
+    let each = |j: &usize| format!("joint {} ({:.0} times)", j + 1, remains.after[*j]);
+    let says = match worse.is_empty() {
+        true => "nothing systematic: where the arm moves there is no more than noise".into(),
+        false => format!(
+            "below {MOTION_HZ} Hz there is more than noise at {}",
+            worse.iter().map(each).collect::<Vec<_>>().join(", ")
+        ),
+    };
+    Leftover {
+        chi2_per_sample,
+        in_motion_band: remains.after.clone(),
+        systematic: !worse.is_empty(),
+        says,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn white_noise_has_ratio_one_and_a_slow_wave_stands_out() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(4);
+        let noise: Vec<f64> = (0..6000).map(|_| StandardNormal.sample(&mut rng)).collect();
+        assert!((ratio(&noise, 125.0) - 1.0).abs() < 0.15, "{}", ratio(&noise, 125.0));
+        // A fifth of the noise's power within 4 of 62.5 Hz: 1 + 0.2 * 62.5 / 4.
+        let wave = |k: usize| 0.2f64.sqrt() * 2f64.sqrt() * (0.1 * k as f64).sin();
+        let waved: Vec<f64> = noise.iter().enumerate().map(|(k, x)| x + wave(k)).collect();
+        assert!((ratio(&waved, 125.0) - 4.1).abs() < 0.5, "{}", ratio(&waved, 125.0));
+    }
+}

@@ -1,0 +1,190 @@
+//! The twin with causes added, fitted to a recording or held against another.
+
+use nalgebra::DVector;
+
+use super::candidate::{Candidate, Place, Term, sense, shown};
+use super::columns::Blocks;
+use super::evidence::Evidence;
+use super::system::System;
+use crate::effects::{Mechanism, Motion, Role, Scope};
+use crate::robot::Robot;
+use crate::series::JointSeries;
+use crate::twin::Twin;
+
+/// What is fitted: the twin's open effects and the causes accepted so far.
+#[derive(Debug, Clone)]
+pub struct Model {
+    pub open: Vec<Term>,
+    pub causes: Vec<Term>,
+    /// What the gears carry: the twin's robot with known and accepted loads.
+    pub laden: Robot,
+}
+
+impl Model {
+    /// The twin alone; nonlinear parameters of its open effects at their typical values.
+    pub fn of(twin: &Twin) -> Self {
+        let everywhere = |effect: &'static dyn crate::effects::Effect| {
+            let joints = if effect.about().scope == Scope::Arm { 0 } else { twin.robot.dof() };
+            let arm = (joints == 0).then_some(Place::Arm);
+            let nonlinear: Vec<f64> = effect
+                .about()
+                .parameters
+                .iter()
+                .filter(|p| p.role == Role::Nonlinear)
+                .map(|p| p.typical)
+                .collect();
+            (0..joints)
+                .map(Place::Joint)
+                .chain(arm)
+                .map(move |place| Term::new(Candidate { effect, place }, nonlinear.clone()))
+        };
+        let open = twin.open().flat_map(everywhere).collect();
+        Self { open, causes: Vec::new(), laden: twin.laden() }
+    }
+
+    pub fn with(&self, cause: Term) -> Self {
+        let mut more = self.clone();
+        more.causes.push(cause);
+        more
+    }
+
+    pub fn terms(&self) -> impl Iterator<Item = &Term> {
+        self.open.iter().chain(&self.causes)
+    }
+
+    /// Where the linear parameters of cause `i` are among all.
+    pub fn range(&self, i: usize) -> std::ops::Range<usize> {
+        let before = self.open.iter().chain(&self.causes[..i]);
+        let start = before.map(|t| t.candidate.linear()).sum();
+        start..start + self.causes[i].candidate.linear()
+    }
+
+    /// `laden` with what the accepted causes weigh at the values `x`.
+    fn carry(&mut self, twin: &Twin, x: &DVector<f64>) {
+        let mut mechanism = Mechanism::new(twin.laden());
+        for (i, term) in self.causes.iter().enumerate() {
+            let (scope, joint) = match (term.candidate.effect.about().scope, term.candidate.place) {
+                (Scope::Joint, _) => continue,
+                (scope, Place::Joint(j)) => (scope, j),
+                (scope, Place::Arm) => (scope, 0),
+            };
+            debug_assert!(scope != Scope::Joint);
+            let linear = x.as_slice()[self.range(i)].iter();
+            let values: Vec<f64> = linear.chain(&term.nonlinear).copied().collect();
+            term.candidate.effect.build(&values, joint, &mut mechanism);
+        }
+        self.laden = mechanism.robot;
+    }
+}
+
+/// A model's columns on a recording.
+pub struct Built {
+    /// Recorded torque less what the twin knows, at the rows, N.m.
+    pub y: Blocks,
+    pub columns: Vec<Blocks>,
+    /// What the twin knows, over all samples, before sensors, N.m.
+    known: JointSeries,
+    /// The columns over all samples, before sensors.
+    series: Vec<Vec<Vec<f64>>>,
+}
+
+impl Built {
+    pub fn new(evidence: &Evidence<'_>, model: &Model) -> Self {
+        let motion = evidence.motion(&evidence.twin.robot);
+        let known = evidence.twin.torque(&motion);
+        let mut built = Self { y: evidence.torque.clone(), columns: vec![], known, series: vec![] };
+        for term in model.terms() {
+            let series = built.signature(evidence, model, term);
+            built.series.extend(series);
+        }
+        for column in &built.series {
+            built.columns.push(shown(evidence, &model.causes, column.clone()));
+        }
+        let known = (0..evidence.joints()).map(|j| {
+            let series = built.known.joint(j).to_vec();
+            evidence.block(j, sense(evidence, &model.causes, j, series))
+        });
+        built.y.add_scaled(-1.0, &Blocks(known.collect()));
+        built
+    }
+
+    /// The columns of a term over all samples, before sensors.
+    fn signature(&self, evidence: &Evidence<'_>, model: &Model, term: &Term) -> Vec<Vec<Vec<f64>>> {
+        let robot = match term.candidate.effect.about().scope {
+            Scope::Joint => &model.laden,
+            _ => &evidence.twin.robot,
+        };
+        let motion = Motion { known: Some(&self.known), ..evidence.motion(robot) };
+        term.series(&motion)
+    }
+
+    /// What the model gives at the values `x`, over all samples, N.m.
+    fn modelled(&self, x: &DVector<f64>) -> JointSeries {
+        let mut sum = self.known.clone();
+        for (column, x) in self.series.iter().zip(x.iter()) {
+            for (joint, series) in column.iter().enumerate() {
+                sum.joint_mut(joint).iter_mut().zip(series).for_each(|(s, c)| *s += x * c);
+            }
+        }
+        sum
+    }
+}
+
+/// A model fitted to a recording.
+pub struct Fit<'a, 'e> {
+    pub evidence: &'a Evidence<'e>,
+    pub model: Model,
+    pub system: System,
+    /// Sum of squares left, joint by joint, (N.m)^2.
+    pub squares: Vec<f64>,
+    /// What the model gives, over all samples, N.m.
+    modelled: JointSeries,
+}
+
+impl<'a, 'e> Fit<'a, 'e> {
+    /// Least squares; joints are weighted by what the model leaves of them, in two rounds.
+    pub fn new(evidence: &'a Evidence<'e>, mut model: Model) -> Self {
+        let built = Built::new(evidence, &model);
+        let priors = vec![f64::INFINITY; built.columns.len()];
+        let weights = evidence.weights(&built.y.squares());
+        let first = System::solve(built.columns.clone(), &built.y, weights, &priors);
+        let weights = evidence.weights(&first.residual.squares());
+        let system = System::solve(first.columns, &built.y, weights, &priors);
+        let modelled = built.modelled(&system.x);
+        model.carry(evidence.twin, &system.x);
+        let squares = system.residual.squares();
+        Self { evidence, model, system, squares, modelled }
+    }
+
+    /// The columns of a further candidate, as the rows show them.
+    pub fn columns(&self, candidate: Candidate, nonlinear: &[f64]) -> Vec<Blocks> {
+        let robot = match candidate.effect.about().scope {
+            Scope::Joint => &self.model.laden,
+            _ => &self.evidence.twin.robot,
+        };
+        let motion = Motion { known: Some(&self.modelled), ..self.evidence.motion(robot) };
+        let series = candidate.series(&motion, nonlinear);
+        let sensors = &self.model.causes;
+        series.into_iter().map(|column| shown(self.evidence, sensors, column)).collect()
+    }
+
+    pub fn motion(&self) -> Motion<'_> {
+        self.evidence.motion(&self.evidence.twin.robot)
+    }
+
+    /// What the fitted values leave of another recording, N.m at its rows.
+    pub fn held_against(&self, other: &Evidence<'_>) -> Blocks {
+        let built = Built::new(other, &self.model);
+        let mut residual = built.y;
+        for (column, x) in built.columns.iter().zip(self.system.x.iter()) {
+            residual.add_scaled(-x, column);
+        }
+        residual
+    }
+
+    /// Values of cause `i`: linear, then nonlinear.
+    pub fn values(&self, i: usize) -> Vec<f64> {
+        let linear = &self.system.x.as_slice()[self.model.range(i)];
+        linear.iter().chain(&self.model.causes[i].nonlinear).copied().collect()
+    }
+}

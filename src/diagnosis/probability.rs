@@ -1,0 +1,65 @@
+//! How probable each candidate, "none" and "unknown" are.
+
+use super::leftover::{Remains, SYSTEMATIC};
+
+/// Of "unknown": steepness over the logarithm of what is left, and over the share explained.
+const STEEP_LEFT: f64 = 3.0;
+const STEEP_SHARE: f64 = 10.0;
+/// Share of what was systematic at a joint that a cause has to explain there.
+pub const LEAST_SHARE: f64 = 0.5;
+/// Times the systematic limit where a leftover counts as much for as against the cause.
+const HALFWAY: f64 = 2.0;
+
+/// That something outside the catalogue is at work at `joints`, where the causes leave `remains`.
+///
+/// Where some joint is at its noise the twin is exact, and anything systematic that stays at a
+/// joint a cause acts on speaks against it. Where no joint is, the twin is inexact throughout and
+/// only the share explained counts.
+pub fn of_unknown(remains: &Remains, joints: &[usize]) -> f64 {
+    let share = joints
+        .iter()
+        .filter(|&&j| remains.before[j] > SYSTEMATIC)
+        .map(|&j| remains.explained(j))
+        .fold(1.0, f64::min);
+    let by_share = logistic(STEEP_SHARE * (LEAST_SHARE - share));
+    match remains.is_exact() {
+        true => {
+            let left = (remains.worst(joints) / (HALFWAY * SYSTEMATIC)).ln();
+            by_share.max(logistic(STEEP_LEFT * left))
+        }
+        false => by_share,
+    }
+}
+
+fn logistic(x: f64) -> f64 {
+    1.0 / (1.0 + (-x).exp())
+}
+
+/// Probabilities from log-likelihoods in nats.
+pub fn shares(scores: &[f64]) -> Vec<f64> {
+    let top = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let weights: Vec<f64> = scores.iter().map(|s| (s - top).exp()).collect();
+    let sum: f64 = weights.iter().sum();
+    weights.iter().map(|w| w / sum.max(f64::MIN_POSITIVE)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_sum_to_one() {
+        let p = shares(&[1000.0, 999.0, -4000.0]);
+        assert!((p.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!((p[0] / p[1] - 1f64.exp()).abs() < 1e-9 && p[2] == 0.0);
+    }
+
+    #[test]
+    fn an_exact_twin_doubts_what_leaves_much() {
+        let remains = |after: f64| Remains { before: vec![50.0, 1.0], after: vec![after, 1.0] };
+        assert!(of_unknown(&remains(1.0), &[0]) < 0.05);
+        assert!(of_unknown(&remains(20.0), &[0]) > 0.95);
+        let inexact = Remains { before: vec![500.0, 90.0], after: vec![40.0, 40.0] };
+        assert!(of_unknown(&inexact, &[0]) < 0.05);
+    }
+}

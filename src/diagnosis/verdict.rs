@@ -1,0 +1,309 @@
+//! From the search to the answer.
+
+use std::collections::BTreeMap;
+
+use super::candidate::Place;
+use super::columns::Blocks;
+use super::evidence::Evidence;
+use super::leftover::{Remains, SYSTEMATIC, leftover};
+use super::model::{Fit, Model};
+use super::select::{Hypothesis, Round, Search, State, acts_on, describe};
+use super::untestable::untestable;
+use super::{
+    BeforeAfter, Cause, Diagnosis, Floor, Named, Ranked, Rejected, RoundEvidence, Scored, Settings,
+    Shrink, Verdict, gap, intervals, probability, torque_shrink,
+};
+use crate::effects::Role;
+use crate::series::JointSeries;
+
+/// Candidates of a round that are written down.
+const SHOWN: usize = 12;
+const SCHEMA: &str = "armtwin.diagnosis/1";
+/// More than this for "unknown" and no cause is named.
+const ABSTAIN: f64 = 0.5;
+
+/// Everything an answer is made from.
+pub struct Findings<'a, 'e> {
+    pub search: &'a Search<'a, 'e>,
+    pub start: State<'a, 'e>,
+    pub rounds: Vec<Round<'a, 'e>>,
+    pub floor: Vec<Floor>,
+}
+
+impl<'a, 'e> Findings<'a, 'e> {
+    fn settings(&self) -> &Settings {
+        self.search.settings
+    }
+
+    fn accepted(&self) -> Vec<&Hypothesis<'a, 'e>> {
+        self.rounds.iter().filter_map(|r| r.accepted.map(|i| &r.ranked[i])).collect()
+    }
+
+    /// The joints that any of the causes acts on.
+    fn touched(&self) -> Vec<usize> {
+        let acts = |j: &usize| self.accepted().iter().any(|h| acts_on(h.trial.candidate, *j));
+        (0..self.search.fit.joints()).filter(acts).collect()
+    }
+
+    pub fn answer(&self) -> Diagnosis {
+        let accepted = self.accepted();
+        let last = accepted.last().map_or(&self.start.residual, |h| &h.residual);
+        let remains = Remains::new(self.search.check, &self.start.residual, last);
+        let all: Vec<usize> = (0..self.search.fit.joints()).collect();
+        let unknown = match accepted.is_empty() {
+            true => probability::of_unknown(&remains, &all),
+            false => probability::of_unknown(&remains, &self.touched()),
+        };
+        let named = !accepted.is_empty() && unknown <= ABSTAIN;
+        let causes = if named { self.causes(unknown) } else { Vec::new() };
+        let left =
+            leftover(self.search.check, if named { last } else { &self.start.residual }, &remains);
+        Diagnosis {
+            schema: SCHEMA.into(),
+            armtwin: env!("CARGO_PKG_VERSION").into(),
+            verdict: self.verdict(named, &remains),
+            fitted_before: self.fitted(None),
+            fitted: self.fitted(if named { Some(&accepted[accepted.len() - 1].fit) } else { None }),
+            gap: self.gap(),
+            shrink: Shrink { torque: self.shrink(named), simulation: None },
+            ranking: self.ranking(unknown),
+            untestable: untestable(&self.start.fit, &self.search.candidates),
+            rejected: self.rejected(),
+            leftover: left,
+            next_experiment: String::new(),
+            rounds: self.evidence(),
+            notes: self.notes(&remains, unknown),
+            causes,
+        }
+    }
+
+    fn verdict(&self, named: bool, remains: &Remains) -> Verdict {
+        let systematic = |ratios: &[f64]| ratios.iter().any(|r| *r > SYSTEMATIC);
+        match (named, systematic(&remains.after)) {
+            (true, false) => Verdict::Explained,
+            (true, true) => Verdict::PartlyExplained,
+            (false, _) if self.accepted().is_empty() && !systematic(&remains.before) => {
+                Verdict::NoGap
+            }
+            _ => Verdict::Unexplained,
+        }
+    }
+
+    fn causes(&self, unknown: f64) -> Vec<Cause> {
+        let accepted = self.accepted();
+        let Some(last) = accepted.last() else { return Vec::new() };
+        let values = intervals::values(&last.fit);
+        let mut before = &self.start.residual;
+        let mut causes = Vec::new();
+        for ((round, h), parameters) in
+            self.rounds.iter().filter(|r| r.accepted.is_some()).zip(&accepted).zip(values)
+        {
+            let about = h.trial.candidate.effect.about();
+            causes.push(Cause {
+                effect: about.name.into(),
+                joints: h.trial.candidate.place.joints(),
+                probability: (1.0 - unknown) * share_of(round, h),
+                equivalent: equivalents(round, h),
+                parameters,
+                shrink: self.pair(before, &h.residual, |pair| pair.checked(self.settings().seed)),
+                cause: about.cause.into(),
+                remedy: about.remedy.into(),
+            });
+            before = &h.residual;
+        }
+        causes
+    }
+
+    /// The first round's candidates, "none" and "unknown": what is at work first of all.
+    fn ranking(&self, unknown: f64) -> Vec<Ranked> {
+        let Some(first) = self.rounds.first() else { return Vec::new() };
+        let claim = match first.accepted {
+            Some(_) => 1.0,
+            // Nothing was accepted: what chance finds as often is hardly a candidate.
+            None => (1.0 - first.p).powi(2) * 0.5,
+        };
+        let scores: Vec<f64> = first.ranked.iter().map(|h| h.score).collect();
+        let shares = probability::shares(&scores);
+        let known = 1.0 - unknown;
+        let mut rows: Vec<Ranked> = first
+            .ranked
+            .iter()
+            .zip(&shares)
+            .map(|(h, share)| Ranked {
+                effect: h.trial.candidate.name().into(),
+                joints: h.trial.candidate.place.joints(),
+                probability: known * claim * share,
+                gain_fit: h.gain_fit,
+                gain_check: h.gain_check,
+            })
+            .collect();
+        let refined = |name: &str, joints: &[usize]| {
+            first.ranked.iter().any(|h| {
+                h.trial.candidate.name() == name && h.trial.candidate.place.joints() == joints
+            })
+        };
+        rows.extend(first.screened.iter().filter_map(|t| {
+            let (name, joints) = (t.candidate.name(), t.candidate.place.joints());
+            (!refined(name, &joints)).then(|| Ranked {
+                effect: name.into(),
+                joints,
+                probability: 0.0,
+                gain_fit: t.gain,
+                gain_check: 0.0,
+            })
+        }));
+        let rest = |effect: &str, probability| Ranked {
+            effect: effect.into(),
+            joints: Vec::new(),
+            probability,
+            gain_fit: 0.0,
+            gain_check: 0.0,
+        };
+        let claimed: f64 = rows.iter().map(|r| r.probability).sum();
+        rows.push(rest("none", (known - claimed).max(0.0)));
+        rows.push(rest("unknown", unknown));
+        rows.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        rows
+    }
+
+    fn rejected(&self) -> Vec<Rejected> {
+        let first = self.rounds.iter().take(1).flat_map(|r| &r.ranked);
+        let bound = first.filter_map(|h| {
+            let parameter = h.at_bound?;
+            Some(Rejected {
+                effect: h.trial.candidate.name().into(),
+                joints: h.trial.candidate.place.joints(),
+                why: format!("fits only with {parameter} at its bound"),
+            })
+        });
+        bound.collect()
+    }
+
+    /// Values of the twin's open effects, one per joint.
+    fn fitted(&self, fit: Option<&Fit<'a, 'e>>) -> BTreeMap<String, Vec<f64>> {
+        let fit = fit.unwrap_or(&self.start.fit);
+        let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+        let mut next = 0;
+        for term in &fit.model.open {
+            let mut nonlinear = term.nonlinear.iter();
+            for p in term.candidate.effect.about().parameters {
+                let value = match p.role {
+                    Role::Linear => {
+                        next += 1;
+                        fit.system.x[next - 1]
+                    }
+                    Role::Nonlinear => nonlinear.next().copied().unwrap_or(p.typical),
+                };
+                let count = match term.candidate.place {
+                    Place::Joint(_) => fit.evidence.joints(),
+                    Place::Arm => 1,
+                };
+                let row = values.entry(p.name.into()).or_insert_with(|| vec![p.null; count]);
+                let at = if let Place::Joint(j) = term.candidate.place { j } else { 0 };
+                row[at] = value;
+            }
+        }
+        values
+    }
+
+    fn gap(&self) -> super::Gap {
+        let check = self.search.check;
+        let residual = check.over_time(&self.start.residual);
+        let masks = check.masks();
+        gap(check.samples, check.twin, &residual, &masks, &self.floor, self.settings().seed)
+    }
+
+    fn shrink(&self, named: bool) -> super::TorqueShrink {
+        let accepted = self.accepted();
+        let after = match accepted.last() {
+            Some(h) if named => &h.residual,
+            _ => &self.start.residual,
+        };
+        let floor: Vec<f64> = self.floor.iter().map(|f| f.noise_nm).collect();
+        let seed = self.settings().seed;
+        self.pair(&self.start.residual, after, |pair| torque_shrink(pair, &floor, seed))
+    }
+
+    fn pair<T>(&self, before: &Blocks, after: &Blocks, with: impl Fn(&BeforeAfter) -> T) -> T {
+        let check: &Evidence = self.search.check;
+        let series: [JointSeries; 2] = [check.over_time(before), check.over_time(after)];
+        let masks = check.masks();
+        let [before, after] = &series;
+        with(&BeforeAfter { samples: check.samples, before, after, masks: &masks })
+    }
+
+    fn evidence(&self) -> Vec<RoundEvidence> {
+        let scored = |h: &Hypothesis| Scored {
+            effect: h.trial.candidate.name().into(),
+            joints: h.trial.candidate.place.joints(),
+            score: h.score,
+            gain_fit: h.gain_fit,
+            gain_check: h.gain_check,
+            at_bound: h.at_bound.map(Into::into),
+            values: h.fit.values(h.fit.model.causes.len() - 1),
+        };
+        let round = |r: &Round| RoundEvidence {
+            p: r.p,
+            in_motion_band: r.in_motion_band.clone(),
+            accepted: r.accepted.map(|i| named(&r.ranked[i])),
+            declined: r.declined.clone(),
+            ranked: r.ranked.iter().take(SHOWN).map(scored).collect(),
+        };
+        self.rounds.iter().map(round).collect()
+    }
+
+    fn notes(&self, remains: &Remains, unknown: f64) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Some(why) = self.rounds.last().and_then(|r| r.declined.as_ref()) {
+            notes.push(format!("the search ended because {why}"));
+        }
+        if !remains.is_exact() {
+            notes.push(format!(
+                "no joint comes closer than {:.0} times to its noise: the twin is inexact \
+                 throughout, causes are judged by the share they explain",
+                remains.inexactness()
+            ));
+        }
+        if unknown > ABSTAIN && !self.accepted().is_empty() {
+            let names: Vec<String> =
+                self.accepted().iter().map(|h| describe(h.trial.candidate)).collect();
+            notes.push(format!(
+                "{} fits best, but what it leaves is too systematic to name it",
+                names.join(", ")
+            ));
+        }
+        notes
+    }
+}
+
+/// What does as well as `h` within the tolerance, and is not rejected.
+fn equivalents(round: &Round, h: &Hypothesis) -> Vec<Named> {
+    let best = h.score;
+    round
+        .ranked
+        .iter()
+        .filter(|o| o.trial.candidate != h.trial.candidate && o.at_bound.is_none())
+        .filter(|o| o.score >= best - round.tolerance)
+        .map(named)
+        .collect()
+}
+
+fn named(h: &Hypothesis) -> Named {
+    Named { effect: h.trial.candidate.name().into(), joints: h.trial.candidate.place.joints() }
+}
+
+/// Probability within its round.
+fn share_of(round: &Round, h: &Hypothesis) -> f64 {
+    let usable: Vec<&Hypothesis> = round.ranked.iter().filter(|o| o.at_bound.is_none()).collect();
+    let scores: Vec<f64> = usable.iter().map(|o| o.score).collect();
+    let shares = probability::shares(&scores);
+    let found = usable.iter().position(|o| o.trial.candidate == h.trial.candidate);
+    found.map_or(0.0, |i| shares[i])
+}
+
+/// The twin's own fit and everything found against it.
+pub fn findings<'a, 'e>(search: &'a Search<'a, 'e>, floor: Vec<Floor>) -> Findings<'a, 'e> {
+    let start = search.state(Model::of(search.fit.twin));
+    let rounds = search.run(&start);
+    Findings { search, start, rounds, floor }
+}
