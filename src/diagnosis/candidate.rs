@@ -49,13 +49,15 @@ impl std::fmt::Debug for Candidate {
 pub struct Term {
     pub candidate: Candidate,
     pub nonlinear: Vec<f64>,
+    /// Which of `nonlinear` were searched; the others have given values.
+    pub searched: Vec<usize>,
     /// Linear parameters that are held at zero, which is their bound.
     pub held: Vec<bool>,
 }
 
 impl Term {
     pub fn new(candidate: Candidate, nonlinear: Vec<f64>) -> Self {
-        Self { candidate, nonlinear, held: vec![false; candidate.linear()] }
+        Self { candidate, nonlinear, searched: vec![], held: vec![false; candidate.linear()] }
     }
 
     /// The columns of those parameters that are not held.
@@ -113,19 +115,17 @@ impl Candidate {
         if self.senses() {
             return columns;
         }
-        match (self.effect.about().scope, self.place) {
-            (Scope::Link, Place::Joint(from)) => {
-                let reach = self.effect.reach(motion, from, nonlinear);
-                for (column, series) in columns.iter_mut().zip(reach) {
-                    column.iter_mut().enumerate().for_each(|(j, c)| *c = series.joint(j).to_vec());
-                }
+        if self.effect.about().scope == Scope::Joint {
+            for joint in (0..joints).filter(|&j| self.place.has(j)) {
+                let at_joint = self.effect.columns(motion, joint, nonlinear);
+                columns.iter_mut().zip(at_joint).for_each(|(c, series)| c[joint] = series);
             }
-            _ => {
-                for joint in (0..joints).filter(|&j| self.place.has(j)) {
-                    let at_joint = self.effect.columns(motion, joint, nonlinear);
-                    columns.iter_mut().zip(at_joint).for_each(|(c, series)| c[joint] = series);
-                }
-            }
+            return columns;
+        }
+        let from = if let Place::Joint(j) = self.place { j } else { 0 };
+        let reach = self.effect.reach(motion, from, nonlinear);
+        for (column, series) in columns.iter_mut().zip(reach) {
+            column.iter_mut().enumerate().for_each(|(j, c)| *c = series.joint(j).to_vec());
         }
         columns
     }

@@ -21,6 +21,8 @@ pub struct Evidence<'a> {
     pub sigma: Vec<f64>,
     /// Recorded torque at the rows, N.m, filtered as all columns are.
     pub torque: Blocks,
+    /// What the twin knows, over all samples, before sensors, N.m.
+    pub known: JointSeries,
     filter: Option<LowPass>,
 }
 
@@ -46,7 +48,9 @@ impl<'a> Evidence<'a> {
             );
             return Err(DiagnosisError::Recording(problem));
         }
-        let mut evidence = Self { twin, samples, rows, sigma, torque: Blocks::default(), filter };
+        let known = twin.torque(&twin.motion(samples));
+        let torque = Blocks::default();
+        let mut evidence = Self { twin, samples, rows, sigma, torque, known, filter };
         let torque = |j| evidence.block(j, samples.torque.joint(j).to_vec());
         evidence.torque = Blocks((0..samples.joints()).map(torque).collect());
         Ok(evidence)

@@ -9,7 +9,7 @@ use nalgebra::DVector;
 use super::columns::Blocks;
 use super::evidence::Evidence;
 use super::model::{Built, Fit, Model};
-use super::select::{effective_shares, searched};
+use super::select::effective_shares;
 use super::system::System;
 use super::{Value, answer};
 use crate::effects::Role;
@@ -58,12 +58,11 @@ fn columns(fit: &Fit<'_, '_>) -> (Vec<Blocks>, Vec<Vec<Option<usize>>>) {
     let mut places = Vec::new();
     for (i, term) in fit.model.causes.iter().enumerate() {
         let linear: Vec<usize> = fit.model.range(i).collect();
-        let free = searched(term.candidate, &fit.motion());
         let mut of_cause = Vec::new();
         for (k, p) in term.candidate.effect.about().parameters.iter().enumerate() {
             of_cause.push(match p.role {
                 Role::Linear => (!term.held[k]).then(|| linear[k]),
-                Role::Nonlinear if free.contains(&(k - linear.len())) => {
+                Role::Nonlinear if term.searched.contains(&(k - linear.len())) => {
                     columns.push(slope(fit, i, k - linear.len(), p));
                     Some(columns.len() - 1)
                 }

@@ -82,45 +82,31 @@ pub struct Built {
     /// Recorded torque less what the twin knows, at the rows, N.m.
     pub y: Blocks,
     pub columns: Vec<Blocks>,
-    /// What the twin knows, over all samples, before sensors, N.m.
-    known: JointSeries,
     /// The columns over all samples, before sensors.
     series: Vec<Vec<Vec<f64>>>,
 }
 
 impl Built {
     pub fn new(evidence: &Evidence<'_>, model: &Model) -> Self {
-        let motion = evidence.motion(&evidence.twin.robot);
-        let known = evidence.twin.torque(&motion);
-        let mut built = Self { y: evidence.torque.clone(), columns: vec![], known, series: vec![] };
+        let mut built = Self { y: evidence.torque.clone(), columns: vec![], series: vec![] };
         for term in model.terms() {
-            let series = built.signature(evidence, model, term);
+            let series = signature(evidence, model, term);
             built.series.extend(series);
         }
         for column in &built.series {
             built.columns.push(shown(evidence, &model.causes, column.clone()));
         }
         let known = (0..evidence.joints()).map(|j| {
-            let series = built.known.joint(j).to_vec();
+            let series = evidence.known.joint(j).to_vec();
             evidence.block(j, sense(evidence, &model.causes, j, series))
         });
         built.y.add_scaled(-1.0, &Blocks(known.collect()));
         built
     }
 
-    /// The columns of a term over all samples, before sensors.
-    fn signature(&self, evidence: &Evidence<'_>, model: &Model, term: &Term) -> Vec<Vec<Vec<f64>>> {
-        let robot = match term.candidate.effect.about().scope {
-            Scope::Joint => &model.laden,
-            _ => &evidence.twin.robot,
-        };
-        let motion = Motion { known: Some(&self.known), ..evidence.motion(robot) };
-        term.series(&motion)
-    }
-
     /// What the model gives at the values `x`, over all samples, N.m.
-    fn modelled(&self, x: &DVector<f64>) -> JointSeries {
-        let mut sum = self.known.clone();
+    fn modelled(&self, evidence: &Evidence<'_>, x: &DVector<f64>) -> JointSeries {
+        let mut sum = evidence.known.clone();
         for (column, x) in self.series.iter().zip(x.iter()) {
             for (joint, series) in column.iter().enumerate() {
                 sum.joint_mut(joint).iter_mut().zip(series).for_each(|(s, c)| *s += x * c);
@@ -128,6 +114,16 @@ impl Built {
         }
         sum
     }
+}
+
+/// The columns of a term over all samples, before sensors.
+fn signature(evidence: &Evidence<'_>, model: &Model, term: &Term) -> Vec<Vec<Vec<f64>>> {
+    let robot = match term.candidate.effect.about().scope {
+        Scope::Joint => &model.laden,
+        _ => &evidence.twin.robot,
+    };
+    let motion = Motion { known: Some(&evidence.known), ..evidence.motion(robot) };
+    term.series(&motion)
 }
 
 /// A model fitted to a recording.
@@ -150,7 +146,7 @@ impl<'a, 'e> Fit<'a, 'e> {
         let first = System::solve(built.columns.clone(), &built.y, weights, &priors);
         let weights = evidence.weights(&first.residual.squares());
         let system = System::solve(first.columns, &built.y, weights, &priors);
-        let modelled = built.modelled(&system.x);
+        let modelled = built.modelled(evidence, &system.x);
         model.carry(evidence.twin, &system.x);
         let squares = system.residual.squares();
         Self { evidence, model, system, squares, modelled }

@@ -1,13 +1,14 @@
 //! Every candidate against what a fit leaves: linear parameters by least squares, nonlinear ones
 //! from the effect's starts, then refined.
 
+use std::sync::Arc;
+
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, Term};
 use super::columns::Blocks;
 use super::model::{Fit, Model};
-use super::select::searched;
 use crate::effects::{Parameter, Role};
 use crate::identification::{bounds::Bounds, brent};
 
@@ -25,12 +26,22 @@ pub struct Trial {
     pub linear: Vec<f64>,
     pub nonlinear: Vec<f64>,
     pub gain: f64,
+    /// Where the search began.
+    pub starts: Arc<Vec<Vec<f64>>>,
 }
 
 impl Trial {
     pub fn term(&self) -> Term {
         let held = self.linear.iter().map(|v| *v == 0.0).collect();
-        Term { candidate: self.candidate, nonlinear: self.nonlinear.clone(), held }
+        let (candidate, nonlinear) = (self.candidate, self.nonlinear.clone());
+        Term { candidate, nonlinear, searched: self.searched(), held }
+    }
+
+    /// The nonlinear parameters that are searched: those that differ among the starts.
+    pub fn searched(&self) -> Vec<usize> {
+        let starts = &self.starts;
+        let differs = |i: &usize| starts.iter().any(|s| s[*i] != starts[0][*i]);
+        (0..self.nonlinear.len()).filter(differs).collect()
     }
 }
 
@@ -50,12 +61,20 @@ pub fn screen(
 }
 
 fn best_start(fit: &Fit, candidate: Candidate, surrogates: &[Blocks]) -> (Trial, Vec<f64>) {
-    let mut best = Trial { candidate, linear: vec![], nonlinear: vec![], gain: f64::NEG_INFINITY };
+    let starts = Arc::new(candidate.starts(&fit.motion()));
+    let mut best = Trial {
+        candidate,
+        linear: vec![],
+        nonlinear: vec![],
+        gain: f64::NEG_INFINITY,
+        starts: starts.clone(),
+    };
     let mut largest = vec![0.0f64; surrogates.len()];
-    for nonlinear in candidate.starts(&fit.motion()) {
+    for nonlinear in starts.iter() {
+        let from = Trial { nonlinear: nonlinear.clone(), ..best.clone() };
         let trial = match candidate.senses() {
-            true => with_sensor(fit, candidate, nonlinear),
-            false => with_columns(fit, candidate, nonlinear, surrogates, &mut largest),
+            true => with_sensor(fit, from),
+            false => with_columns(fit, from, surrogates, &mut largest),
         };
         if trial.gain > best.gain {
             best = trial;
@@ -73,55 +92,45 @@ pub fn linear_bounds(candidate: Candidate) -> Bounds {
     Bounds::new(lower, upper).unwrap_or_else(|_| Bounds::unbounded(linear.len()))
 }
 
-fn with_columns(
-    fit: &Fit,
-    candidate: Candidate,
-    nonlinear: Vec<f64>,
-    surrogates: &[Blocks],
-    largest: &mut [f64],
-) -> Trial {
-    let columns = fit.columns(candidate, &nonlinear);
-    let bounds = linear_bounds(candidate);
+fn with_columns(fit: &Fit, at: Trial, surrogates: &[Blocks], largest: &mut [f64]) -> Trial {
+    let columns = fit.columns(at.candidate, &at.nonlinear);
+    let bounds = linear_bounds(at.candidate);
     let projected = fit.system.project(&columns);
     let (linear, gain) = projected.solve(&projected.pull, &bounds);
     for (surrogate, largest) in surrogates.iter().zip(largest) {
         let pull: DVector<f64> = fit.system.pull(&columns, surrogate);
         *largest = largest.max(projected.solve(&pull, &bounds).1);
     }
-    Trial { candidate, linear: linear.as_slice().to_vec(), nonlinear, gain }
+    Trial { linear: linear.as_slice().to_vec(), gain, ..at }
 }
 
 /// A sensor changes every column: everything is fitted again.
-fn with_sensor(fit: &Fit, candidate: Candidate, nonlinear: Vec<f64>) -> Trial {
-    let term = Term::new(candidate, nonlinear.clone());
-    let new = Fit::new(fit.evidence, fit.model.with(term));
+fn with_sensor(fit: &Fit, at: Trial) -> Trial {
+    let new = Fit::new(fit.evidence, fit.model.with(at.term()));
     let weights = &fit.system.weights;
     let change = fit.squares.iter().zip(&new.squares).zip(weights);
     let gain = change.map(|((before, after), w)| 0.5 * w * (before - after)).sum();
-    Trial { candidate, linear: vec![], nonlinear, gain }
+    Trial { gain, ..at }
 }
 
-/// The trial at these nonlinear parameters.
-pub fn evaluate(fit: &Fit, candidate: Candidate, nonlinear: Vec<f64>) -> Trial {
-    match candidate.senses() {
-        true => with_sensor(fit, candidate, nonlinear),
-        false => with_columns(fit, candidate, nonlinear, &[], &mut []),
+/// The trial at other nonlinear parameters.
+fn evaluate(fit: &Fit, trial: &Trial, nonlinear: Vec<f64>) -> Trial {
+    let at = Trial { nonlinear, ..trial.clone() };
+    match at.candidate.senses() {
+        true => with_sensor(fit, at),
+        false => with_columns(fit, at, &[], &mut []),
     }
 }
 
 /// Refines the nonlinear parameters that differ among the starts, between the neighbouring
 /// starts, then lets references follow from what was fitted.
 pub fn refine(fit: &Fit, start: &Trial) -> Trial {
-    let starts = start.candidate.starts(&fit.motion());
-    let free: Vec<usize> = searched(start.candidate, &fit.motion())
-        .into_iter()
-        .filter(|&i| !settled(start, i))
-        .collect();
+    let free: Vec<usize> = start.searched().into_iter().filter(|&i| !settled(start, i)).collect();
     let mut best = settle(fit, start.clone());
     let rounds = if free.len() > 1 { ROUNDS } else { free.len() };
     for _ in 0..rounds {
         for &i in &free {
-            best = along(fit, best, i, &starts);
+            best = along(fit, best, i);
         }
     }
     if free.is_empty() { best } else { settle(fit, best) }
@@ -142,7 +151,7 @@ fn settle(fit: &Fit, mut trial: Trial) -> Trial {
         if nonlinear == trial.nonlinear {
             break;
         }
-        let next = evaluate(fit, trial.candidate, nonlinear);
+        let next = evaluate(fit, &trial, nonlinear);
         if next.gain < 0.98 * trial.gain {
             break;
         }
@@ -152,10 +161,11 @@ fn settle(fit: &Fit, mut trial: Trial) -> Trial {
 }
 
 /// The best value of nonlinear parameter `i`, the others as they are.
-fn along(fit: &Fit, best: Trial, i: usize, starts: &[Vec<f64>]) -> Trial {
+fn along(fit: &Fit, best: Trial, i: usize) -> Trial {
     let parameters = best.candidate.effect.about().parameters;
     let parameter = &parameters[best.candidate.linear() + i];
     let now = best.nonlinear[i];
+    let starts = best.starts.clone();
     let others = starts.iter().map(|s| s[i]);
     let below = others.clone().filter(|v| *v < now).fold(parameter.min, f64::max);
     let above = others.filter(|v| *v > now).fold(parameter.max, f64::min);
@@ -163,12 +173,11 @@ fn along(fit: &Fit, best: Trial, i: usize, starts: &[Vec<f64>]) -> Trial {
     let to = |x: f64| if by_ratio { x.ln() } else { x };
     let from = |u: f64| if by_ratio { u.exp() } else { u };
     let mut top = best;
-    let candidate = top.candidate;
-    let fixed = top.nonlinear.clone();
+    let fixed = top.clone();
     let cost = |u: f64| {
-        let mut nonlinear = fixed.clone();
+        let mut nonlinear = fixed.nonlinear.clone();
         nonlinear[i] = from(u).clamp(parameter.min, parameter.max);
-        let trial = evaluate(fit, candidate, nonlinear);
+        let trial = evaluate(fit, &fixed, nonlinear);
         let cost = -trial.gain;
         if trial.gain > top.gain {
             top = trial;

@@ -16,13 +16,15 @@ use super::model::{Fit, Model};
 use super::search::{self, Trial};
 use super::surrogates::surrogates;
 use super::{Settings, significance};
-use crate::effects::{Motion, Role};
+use crate::effects::Role;
 use crate::statistics::effective_samples;
 
 /// Causes that are looked for one after the other.
 const MOST_CAUSES: usize = 5;
 /// Candidates that are refined and held against the second recording.
 const REFINED: usize = 24;
+/// Of the best start's gain: what gains less at its own best start is not refined.
+const WORTH_REFINING: f64 = 0.2;
 /// Of the mean square of the joints it acts on: a smaller gain on the check is no finding.
 const LEAST_GAIN: f64 = 0.01;
 /// The same at joints where the motion's band holds little more than noise.
@@ -97,6 +99,9 @@ impl<'a, 'e> Search<'a, 'e> {
         let mut model = start.fit.model.clone();
         for _ in 0..MOST_CAUSES {
             let state = self.state(model.clone());
+            if !rounds.is_empty() && self.is_quiet(&state) {
+                break;
+            }
             let round = self.round(&state);
             let accepted = round.accepted;
             rounds.push(round);
@@ -105,6 +110,11 @@ impl<'a, 'e> Search<'a, 'e> {
             model = last.ranked[i].fit.model.clone();
         }
         rounds
+    }
+
+    /// Is there nothing but noise left where the arm moves?
+    fn is_quiet(&self, state: &State<'a, 'e>) -> bool {
+        in_motion_band(self.check, &state.residual).iter().all(|ratio| *ratio < UNQUIET_BAND)
     }
 
     fn round(&self, state: &State<'a, 'e>) -> Round<'a, 'e> {
@@ -121,7 +131,7 @@ impl<'a, 'e> Search<'a, 'e> {
         screened.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let top = &screened[..screened.len().min(REFINED)];
         let mut ranked: Vec<Hypothesis> =
-            top.par_iter().map(|trial| self.hypothesis(state, trial)).collect();
+            top.par_iter().map(|trial| self.hypothesis(state, trial, top[0].gain)).collect();
         self.score(state, &mut ranked);
         let grid = |h: &Hypothesis| {
             let same = |t: &&Trial| t.candidate == h.trial.candidate;
@@ -141,11 +151,14 @@ impl<'a, 'e> Search<'a, 'e> {
         Round { ranked, p, screened, in_motion_band, tolerance, accepted, declined }
     }
 
-    fn hypothesis(&self, state: &State<'a, 'e>, start: &Trial) -> Hypothesis<'a, 'e> {
-        let trial = search::refine(&state.fit, start);
+    fn hypothesis(&self, state: &State<'a, 'e>, start: &Trial, best: f64) -> Hypothesis<'a, 'e> {
+        let trial = match start.gain >= WORTH_REFINING * best {
+            true => search::refine(&state.fit, start),
+            false => start.clone(),
+        };
         let fit = search::adopt(&state.fit, &state.fit.model, &trial);
         let residual = fit.held_against(self.check);
-        let at_bound = at_bound(&fit);
+        let at_bound = at_bound(&fit, &trial);
         let nothing = 0.0;
         Hypothesis {
             trial,
@@ -274,16 +287,9 @@ fn gain(evidence: &Evidence, before: &[f64], after: &[f64], share: &[f64]) -> f6
     (0..before.len()).map(joint).sum()
 }
 
-/// The nonlinear parameters that are searched: those that differ among the starts.
-pub fn searched(candidate: Candidate, motion: &Motion<'_>) -> Vec<usize> {
-    let starts = candidate.starts(motion);
-    let count = starts.first().map_or(0, Vec::len);
-    (0..count).filter(|&i| starts.iter().any(|s| s[i] != starts[0][i])).collect()
-}
-
 /// Schwarz's price of the parameters, nats.
 fn price(trial: &Trial, fit: &Fit) -> f64 {
-    let searched = searched(trial.candidate, &fit.motion()).len();
+    let searched = trial.searched().len();
     let touched = |j: &usize| acts_on(trial.candidate, *j);
     let rows: usize =
         (0..fit.evidence.joints()).filter(touched).map(|j| fit.evidence.rows[j].len()).sum();
@@ -302,12 +308,10 @@ pub fn effective_shares(residual: &Blocks) -> Vec<f64> {
 /// The first parameter of the last cause that sits at a bound: a linear one at the end of its
 /// range or held at zero by its sign beside others that are not, a nonlinear one at the end of its
 /// range unless a search starts there.
-fn at_bound(fit: &Fit) -> Option<&'static str> {
+fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
     let last = fit.model.causes.len() - 1;
     let candidate = fit.model.causes[last].candidate;
-    let searched = searched(candidate, &fit.motion());
     let values = fit.values(last);
-    let starts = candidate.starts(&fit.motion());
     let held = &fit.model.causes[last].held;
     let several = held.iter().any(|h| !h);
     let reached = |(i, (p, v)): (usize, (&crate::effects::Parameter, &f64))| {
@@ -318,7 +322,7 @@ fn at_bound(fit: &Fit) -> Option<&'static str> {
             Role::Linear => at_end && *v != p.null,
             Role::Nonlinear => {
                 let k = i - candidate.linear();
-                searched.contains(&k) && at_end && starts.iter().all(|s| s[k] != *v)
+                trial.searched().contains(&k) && at_end && trial.starts.iter().all(|s| s[k] != *v)
             }
         };
         at.then_some(p.name)

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
+use super::Untestable;
 use super::candidate::{Candidate, Place};
 use super::model::Fit;
-use super::{Untestable, select};
 use crate::effects::{Parameter, Role, Scope};
 
 /// Share of a column that nothing else shows, below which an effect cannot be told from the rest.
@@ -12,38 +12,47 @@ const LEAST_OWN: f64 = 1e-3;
 /// A typical effect this many standard errors large would be seen.
 const LEAST_SEEN: f64 = 4.0;
 
-/// The candidates that would not show if they were there at their typical size.
+/// The candidates that would not show if they were there at their typical size, against what
+/// `fit` leaves; joints of an effect with the same reason together.
 pub fn untestable(fit: &Fit<'_, '_>, candidates: &[Candidate]) -> Vec<Untestable> {
-    let why = |c: &Candidate| {
-        let why = reason(fit, *c)?;
-        Some(Untestable { effect: c.name().into(), joints: c.place.joints(), why })
-    };
-    candidates.par_iter().filter_map(why).collect()
+    let reasons: Vec<Option<&str>> = candidates.par_iter().map(|c| reason(fit, *c)).collect();
+    let mut found: Vec<Untestable> = Vec::new();
+    for (candidate, why) in candidates.iter().zip(reasons) {
+        let Some(why) = why else { continue };
+        let same = |u: &&mut Untestable| {
+            u.effect == candidate.name() && u.why == why && candidate.place != Place::Arm
+        };
+        match found.iter_mut().find(same) {
+            Some(known) => known.joints.extend(candidate.place.joints()),
+            None => found.push(Untestable {
+                effect: candidate.name().into(),
+                joints: candidate.place.joints(),
+                why: why.into(),
+            }),
+        }
+    }
+    found
 }
 
-fn reason(fit: &Fit<'_, '_>, candidate: Candidate) -> Option<String> {
+fn reason(fit: &Fit<'_, '_>, candidate: Candidate) -> Option<&'static str> {
     let about = candidate.effect.about();
     if candidate.senses() {
         return match about.name {
-            "velocity_lag" => {
-                Some("the velocity used is made from positions, which do not lag".into())
-            }
+            "velocity_lag" => Some("the velocity used is made from positions, which do not lag"),
             _ => None,
         };
     }
     if let (Place::Joint(j), Scope::Joint) = (candidate.place, about.scope)
         && fit.evidence.rows[j].is_empty()
     {
-        return Some("the joint hardly slides: move it".into());
+        return Some("the joint hardly slides: move it");
     }
     let typical = typical(about.parameters, Role::Nonlinear);
     let columns = fit.columns(candidate, &typical);
     if columns.iter().all(|c| c.0.iter().all(Vec::is_empty)) {
         return Some(match about.name {
-            "temperature_friction" => {
-                "no joint temperatures are recorded, or they do not change".into()
-            }
-            _ => "it would give no torque in this motion".into(),
+            "temperature_friction" => "no joint temperatures are recorded, or they do not change",
+            _ => "it would give no torque in this motion",
         });
     }
     let projected = fit.system.project(&columns);
@@ -52,15 +61,9 @@ fn reason(fit: &Fit<'_, '_>, candidate: Candidate) -> Option<String> {
     let size = |i: usize| linear[i].powi(2) * projected.information[(i, i)].max(0.0);
     let seen: f64 = (0..linear.len()).map(size).sum::<f64>().sqrt();
     if own.iter().all(|o| *o < LEAST_OWN) {
-        return Some("in this motion its torque is that of effects the twin already has".into());
+        return Some("in this motion its torque is that of effects the twin already has");
     }
-    (seen < LEAST_SEEN).then(|| {
-        format!(
-            "at its typical size it would be {seen:.1} standard errors large, {LEAST_SEEN:.0} are \
-             needed at {}",
-            select::describe(candidate)
-        )
-    })
+    (seen < LEAST_SEEN).then_some("at its typical size it would hide in what is left")
 }
 
 fn typical(parameters: &[Parameter], role: Role) -> Vec<f64> {

@@ -67,7 +67,10 @@ impl<'a, 'e> Findings<'a, 'e> {
             gap: self.gap(),
             shrink: Shrink { torque: self.shrink(named), simulation: None },
             ranking: self.ranking(unknown),
-            untestable: untestable(&self.start.fit, &self.search.candidates),
+            untestable: untestable(
+                accepted.last().map_or(&self.start.fit, |h| &h.fit),
+                &self.search.candidates,
+            ),
             rejected: self.rejected(),
             leftover: left,
             next_experiment: String::new(),

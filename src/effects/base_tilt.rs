@@ -63,14 +63,13 @@ impl Effect for BaseTilt {
         nonlinear.copy_from_slice(linear);
     }
 
-    fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
+    fn reach(&self, motion: &Motion<'_>, _: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
         let [x, y] = *nonlinear else { return vec![] };
         let still = JointSeries::zeros(motion.q.joints(), motion.samples());
         let per_angle = |axis: Vector3<f64>| {
             let gravity = turned(motion.robot.gravity, Vector3::new(x, y, 0.0), axis);
             let pulled = Robot { gravity, ..motion.robot.clone() };
-            let torque = inverse_dynamics_series(&pulled, motion.q, &still, &still);
-            torque.joint(joint).to_vec()
+            inverse_dynamics_series(&pulled, motion.q, &still, &still)
         };
         vec![per_angle(Vector3::x()), per_angle(Vector3::y())]
     }

@@ -2,10 +2,11 @@
 //!
 //! F acts on the arm at the flange's origin, in base axes.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3xX, Vector3};
 
 use super::{About, ArmState, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
 use crate::robot::{Robot, flange_placement, point_jacobian};
+use crate::series::JointSeries;
 
 pub struct ExternalContact;
 
@@ -95,33 +96,41 @@ impl Effect for ExternalContact {
         rows
     }
 
-    fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
-        let mut columns = vec![vec![0.0; motion.samples()]; 3];
-        let mut q = vec![0.0; motion.q.joints()];
+    fn reach(&self, motion: &Motion<'_>, _: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
+        let dof = motion.q.joints();
+        let mut columns = vec![JointSeries::zeros(dof, motion.samples()); 3];
+        let mut q = vec![0.0; dof];
         for k in 0..motion.samples() {
             motion.q.sample_into(k, &mut q);
-            let per_force = touched(motion.robot, &q, joint, motion.time(k), nonlinear);
-            columns.iter_mut().zip(per_force.iter()).for_each(|(c, tau)| c[k] = *tau);
+            let Some(per_force) = touched(motion.robot, &q, motion.time(k), nonlinear) else {
+                continue;
+            };
+            for (axis, column) in columns.iter_mut().enumerate() {
+                (0..dof).for_each(|j| column.joint_mut(j)[k] = per_force[(axis, j)]);
+            }
         }
         columns
     }
 
     fn act(&self, values: &[f64], state: &JointState<'_>, _: &mut [f64], load: &mut JointLoad) {
         let ArmState { robot, time, q, .. } = state.arm;
-        let per_force = touched(robot, q, state.joint, *time, &values[3..]);
-        load.torque += per_force.dot(&Vector3::new(values[0], values[1], values[2]));
+        if let Some(per_force) = touched(robot, q, *time, &values[3..]) {
+            let at_joint = per_force.fixed_view::<3, 1>(0, state.joint);
+            load.torque += at_joint.dot(&Vector3::new(values[0], values[1], values[2]));
+        }
     }
 }
 
-/// N.m at `joint` per N along x, y, z; zero where nothing touches.
-fn touched(robot: &Robot, q: &[f64], joint: usize, time: f64, gate: &[f64]) -> Vector3<f64> {
+/// N.m at every joint (columns) per N along x, y, z (rows); `None` where nothing touches.
+fn touched(robot: &Robot, q: &[f64], time: f64, gate: &[f64]) -> Option<Matrix3xX<f64>> {
     let (start, duration, height) = (gate[0], gate[1], gate[2]);
     let in_time = (start..start + duration).contains(&time);
-    if !in_time || robot.dof() == 0 || flange_placement(robot, q).translation.z > height {
-        return Vector3::zeros();
+    let low = || height >= OPEN_M || flange_placement(robot, q).translation.z <= height;
+    if !in_time || robot.dof() == 0 || !low() {
+        return None;
     }
     let jacobian = point_jacobian(robot, q, robot.dof() - 1, &robot.flange.translation);
-    -jacobian.fixed_view::<3, 1>(0, joint).into_owned()
+    Some(-jacobian.fixed_rows::<3>(0))
 }
 
 /// Above any arm, m: a contact wherever it is.

@@ -180,19 +180,18 @@ pub trait Effect: Sync {
 
     /// Explain: N.m at `joint` per unit of each linear parameter, one column of
     /// `motion.samples()` values per linear parameter, for given nonlinear parameters.
-    /// Of an effect on the whole arm every joint has its columns, the parameters are shared.
-    /// An effect of [`Scope::Link`] implements [`reach`](Effect::reach) instead: its columns are
-    /// what of that falls on its own joint.
+    /// An effect of [`Scope::Link`] or [`Scope::Arm`] implements [`reach`](Effect::reach) instead:
+    /// its columns are what of that falls on one joint.
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
-        if self.about().scope != Scope::Link {
+        if self.about().scope == Scope::Joint {
             return Vec::new();
         }
         let all = self.reach(motion, joint, nonlinear);
         all.iter().map(|series| series.joint(joint).to_vec()).collect()
     }
 
-    /// Explain an effect of [`Scope::Link`]: N.m at every joint per unit of each linear parameter
-    /// of joint `from`. Other effects reach no further than their own joint.
+    /// Explain: N.m at every joint per unit of each linear parameter of joint `from`, or of the
+    /// whole arm's. Effects of [`Scope::Joint`] reach no further than their own joint.
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
         let alone = |column: Vec<f64>| {
             let mut series = JointSeries::zeros(motion.robot.dof(), motion.samples());

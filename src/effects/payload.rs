@@ -60,11 +60,11 @@ impl Effect for Payload {
         }
     }
 
-    fn columns(&self, motion: &Motion<'_>, joint: usize, reference: &[f64]) -> Vec<Vec<f64>> {
+    fn reach(&self, motion: &Motion<'_>, _: usize, reference: &[f64]) -> Vec<JointSeries> {
         let robot = motion.robot;
-        let Some(last) = robot.dof().checked_sub(1) else { return vec![vec![]; 4] };
+        let Some(last) = robot.dof().checked_sub(1) else { return vec![] };
         let body = body_regressor_series(robot, motion.q, motion.qd, motion.qdd, last);
-        let combine = |p: [f64; 10]| weighted_sum(&body, &p, joint);
+        let combine = |p: [f64; 10]| weighted_sum(&body, &p);
         let reference = Vector3::from_column_slice(reference);
         flange_parameters(&robot.flange, reference).map(combine).to_vec()
     }
@@ -110,10 +110,12 @@ fn parameters(mass: f64, h: Vector3<f64>, s: Matrix3<f64>) -> [f64; 10] {
     [mass, h.x, h.y, h.z, i.m11, i.m12, i.m22, i.m13, i.m23, i.m33]
 }
 
-fn weighted_sum(columns: &[JointSeries; 10], weights: &[f64; 10], joint: usize) -> Vec<f64> {
-    let mut sum = vec![0.0; columns[0].samples()];
-    for (column, &weight) in columns.iter().zip(weights).filter(|(_, w)| **w != 0.0) {
-        sum.iter_mut().zip(column.joint(joint)).for_each(|(s, c)| *s += weight * c);
-    }
-    sum
+fn weighted_sum(columns: &[JointSeries; 10], weights: &[f64; 10]) -> JointSeries {
+    columns[0].map_joints(|joint, first| {
+        let mut sum = vec![0.0; first.len()];
+        for (column, &weight) in columns.iter().zip(weights).filter(|(_, w)| **w != 0.0) {
+            sum.iter_mut().zip(column.joint(joint)).for_each(|(s, c)| *s += weight * c);
+        }
+        sum
+    })
 }

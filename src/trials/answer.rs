@@ -10,9 +10,9 @@ use super::TrialError;
 use super::baselines::{BaselineAnswer, baselines};
 use super::case::{CHECK, Case, FIT, TWIN};
 use super::seal::sha256;
-use crate::diagnosis::{Diagnosis, Settings, diagnose};
+use crate::diagnosis::{Diagnosis, Settings, conditioning, diagnose};
 use crate::recording::{Recording, read};
-use crate::signals::{Conditioning, Derivatives, Samples, condition};
+use crate::signals::{Conditioning, Samples, condition};
 use crate::twin::Twin;
 
 pub const SCHEMA: &str = "armtwin.answer/1";
@@ -54,7 +54,7 @@ pub fn answer(folder: &Path) -> Result<Answer, TrialError> {
     let case = Case::open(folder)?;
     let twin = Twin::load(&case.file(TWIN))?;
     let recordings = [read(&case.file(FIT), None)?, read(&case.file(CHECK), None)?];
-    let conditioning = conditioning(&recordings[0]);
+    let conditioning = conditioning(&recordings[0], twin.robot.dof());
     let samples = |r: &Recording| condition(r, &twin.drive, twin.robot.dof(), &conditioning);
     let [fit, check]: [Samples; 2] = [samples(&recordings[0])?, samples(&recordings[1])?];
     let diagnosis = diagnose(&twin, &fit, &check, &case.settings);
@@ -69,15 +69,6 @@ pub fn answer(folder: &Path) -> Result<Answer, TrialError> {
         settings: case.settings,
         conditioning,
     })
-}
-
-/// Commanded motion plus the smoothed tracking error where a command is recorded.
-fn conditioning(recording: &Recording) -> Conditioning {
-    let derivatives = match recording.joints("target_qdd") {
-        Some(_) => Derivatives::TrackingError,
-        None => Derivatives::Position,
-    };
-    Conditioning { derivatives, torque_cutoff_hz: 0.0, ..Conditioning::default() }
 }
 
 fn inputs(folder: &Path) -> Result<BTreeMap<String, String>, TrialError> {

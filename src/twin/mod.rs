@@ -84,7 +84,7 @@ impl Twin {
             if linear.iter().all(|v| *v == 0.0) {
                 continue;
             }
-            if effect.about().scope != Scope::Link {
+            if effect.about().scope == Scope::Joint {
                 let columns = effect.columns(motion, joint, nonlinear);
                 add_columns(tau, joint, linear, columns.iter().map(Vec::as_slice));
                 continue;
@@ -92,6 +92,9 @@ impl Twin {
             let reach = effect.reach(motion, joint, nonlinear);
             for at in 0..self.robot.dof() {
                 add_columns(tau, at, linear, reach.iter().map(|series| series.joint(at)));
+            }
+            if effect.about().scope == Scope::Arm {
+                break;
             }
         }
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context, bail};
 
 use crate::cli::conditioning::ConditioningArgs;
+use crate::diagnosis;
 use crate::recording::{Channel, Provenance, Recording};
 use crate::signals::{Samples, condition as to_samples};
 use crate::twin::Twin;
@@ -38,8 +39,8 @@ pub fn condition(
     twin: &Twin,
     flags: &ConditioningArgs,
 ) -> anyhow::Result<[Recorded; 2]> {
-    let how = flags.conditioning();
     let dof = twin.robot.dof();
+    let how = flags.over(diagnosis::conditioning(&recordings[0], dof));
     let recorded = |recording: Recording| -> anyhow::Result<Recorded> {
         let samples = to_samples(&recording, &twin.drive, dof, &how)
             .with_context(|| recording.provenance.source.clone())?;
