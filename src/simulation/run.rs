@@ -73,8 +73,17 @@ pub struct Run {
     /// As the sensors show it.
     pub recording: Recording,
     pub exact: Exact,
+    pub shown: Shown,
     /// Standard deviation of the noise on each joint's current, A.
     pub current_noise_a: Vec<f64>,
+}
+
+/// What the recording would show without the sensors' noise and rounding: rad, rad/s, A.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shown {
+    pub q: JointSeries,
+    pub qd: JointSeries,
+    pub current: JointSeries,
 }
 
 /// The true signals at the recorded instants. Each row satisfies the equation of motion:
@@ -277,6 +286,9 @@ impl Simulation {
                 noisy(Stream::Current, &current, &current_noise_a),
             ],
         );
+        let clean = [self.shown_q(&exact.q), exact.qd.clone(), self.shown_current(&exact.tau)];
+        let [clean_q, clean_qd, clean_current] = self.effects_measure(interval, &exact, clean);
+        let shown = Shown { q: clean_q, qd: clean_qd, current: clean_current };
         let step = &self.quantisation;
         for (name, series, step) in [
             ("q", q, step.position_rad),
@@ -286,7 +298,7 @@ impl Simulation {
             put(&mut recording, &format!("actual_{name}"), &sensors::rounded(&series, step));
         }
         put(&mut recording, "joint_temperatures", &exact.temperature);
-        Run { recording, exact, current_noise_a }
+        Run { recording, exact, shown, current_noise_a }
     }
 
     /// Positions (rad) as the encoders show them.

@@ -39,6 +39,11 @@ impl Case {
     }
 }
 
+/// `case-0007`
+pub fn case_name(number: usize) -> String {
+    format!("{PREFIX}{number:04}")
+}
+
 /// The case folders of a trial, in order.
 ///
 /// # Errors

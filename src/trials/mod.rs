@@ -1,26 +1,36 @@
 //! Blind trials: cases with sealed labels, answers given without them, and what they are worth.
 //!
-//! [`draw`](draw::draw) makes cases in rapier, [`import`] takes cases made elsewhere. A case folder
+//! [`draw()`] makes cases in rapier, [`import()`] takes cases made elsewhere. A case folder
 //! holds what the answerer may see: two recordings, the nominal twin, settings. What is hidden lies
 //! in `sealed/` beside the case folders, and `seals.json` publishes the hash of every file there:
-//! [`score`] refuses a truth that does not match. [`answer`] is given a case folder and nothing
+//! [`score()`] refuses a truth that does not match. [`answer()`] is given a case folder and nothing
 //! else.
 //!
 //! What draws does not share its mathematics with what answers: rapier's implicit steps and its
 //! constraint friction at reversals against inverse dynamics and sliding laws.
 
 mod answer;
+mod arm;
 mod baselines;
 mod case;
+mod draw;
 mod error;
+mod foreign;
+mod hide;
 mod import;
+mod nuisance;
+mod plan;
 mod score;
 mod seal;
+mod shapes;
+mod strength;
+mod third;
 mod truth;
 
 pub use answer::{Answer, answer};
 pub use baselines::{BaselineAnswer, Method};
 pub use case::{Case, case_folders};
+pub use draw::{Draw, draw};
 pub use error::TrialError;
 pub use import::{Names, import};
 pub use score::{Chapter, Goal, Judged, Share, goals, judge, page, score};

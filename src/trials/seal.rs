@@ -81,6 +81,11 @@ impl Seals {
         serde_json::from_slice(&read(&file)?).map_err(|e| TrialError::file(&file, e))
     }
 
+    /// How many there are.
+    pub fn cases(&self) -> usize {
+        self.sha256.keys().filter(|name| name.ends_with(".json")).count()
+    }
+
     /// Opens what is hidden in the case `name`.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 mod judged;
 mod page;
+mod realised;
 mod rows;
 mod share;
 mod tables;
@@ -12,9 +13,14 @@ pub use rows::{Goal, goals};
 pub use share::Share;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
+
+use super::case::TWIN;
+use super::third::Third;
 use super::{Answer, Kind, Seals, TrialError, Truth, case_folders};
+use crate::twin::Twin;
 
 /// Opens the seals of the trial in `dir` and holds the answers against what was hidden.
 ///
@@ -22,14 +28,20 @@ use super::{Answer, Kind, Seals, TrialError, Truth, case_folders};
 /// If a seal is broken, or a case was not answered or was answered from other files.
 pub fn score(dir: &Path, answers: &Path) -> Result<Vec<Judged>, TrialError> {
     let seals = Seals::load(dir)?;
-    let mut all = Vec::new();
-    for folder in case_folders(dir)? {
+    let one = |folder: &PathBuf| {
         let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let truth = seals.open(dir, &name)?;
         let answer = load(&answers.join(format!("{name}.json")))?;
-        all.push(judge(&truth, &answer));
-    }
-    Ok(all)
+        let mut judged = judge(&truth, &answer);
+        if let (true, Some(diagnosis)) = (truth.third, &answer.diagnosis) {
+            let third = Third::open(&seals, dir, &name)?;
+            let twin = Twin::load(&folder.join(TWIN))?;
+            let (realised, oracle) = realised::realised(&twin, &third, &truth, diagnosis);
+            (judged.realised, judged.oracle) = (Some(realised), oracle);
+        }
+        Ok(judged)
+    };
+    case_folders(dir)?.par_iter().map(one).collect()
 }
 
 fn load(file: &Path) -> Result<Answer, TrialError> {

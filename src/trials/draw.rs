@@ -1,0 +1,202 @@
+//! Cases made in rapier, their labels sealed.
+
+use std::fs;
+use std::path::Path;
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::case::{CHECK, FIT, TWIN, case_name, write_settings, write_text};
+use super::hide::Hiding;
+use super::nuisance::{CENTRE_ERROR_M, MASS_ERROR, replace};
+use super::plan::{Plan, plans};
+use super::third;
+use super::truth::{SCHEMA, place};
+use super::{Hidden, Kind, Seals, TrialError, TrueValue, Truth, seal};
+use crate::diagnosis::Settings;
+use crate::effects::Scope;
+use crate::recording::{Recording, write_csv};
+use crate::simulation::{Command, Injection, Run, Simulation, SimulationError};
+use crate::twin::Twin;
+
+/// What to draw.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Draw {
+    pub cases: usize,
+    pub seed: u64,
+    /// Kinds or effects, by name; empty is all.
+    pub only: Vec<String>,
+    /// Link masses and centres off, coloured noise, skewed channels.
+    pub nuisance: bool,
+    /// Of the fit and the check recording, s.
+    pub duration_s: f64,
+    /// What the answerer is told.
+    pub settings: Settings,
+}
+
+impl Draw {
+    /// `cases` of one family; the answerer is told how well link masses are known.
+    pub fn new(cases: usize, seed: u64, nuisance: bool) -> Self {
+        let known = |error| if nuisance { error } else { 0.0 };
+        Self {
+            cases,
+            seed,
+            only: Vec::new(),
+            nuisance,
+            duration_s: 48.0,
+            settings: Settings {
+                mass_error: known(MASS_ERROR),
+                centre_error_m: known(CENTRE_ERROR_M),
+                ..Settings::default()
+            },
+        }
+    }
+}
+
+/// Draws all cases into `out` in parallel and seals them; `done` is told of each.
+///
+/// # Errors
+/// If a file cannot be written, or an arm cannot be simulated.
+pub fn draw(how: &Draw, out: &Path, done: &(dyn Fn() + Sync)) -> Result<Seals, TrialError> {
+    let plans = plans(how.cases, &how.only, &mut ChaCha8Rng::seed_from_u64(how.seed))?;
+    seal::make_folder(out)?;
+    plans.par_iter().enumerate().try_for_each(|(number, plan)| {
+        case(how, number, plan, out)?;
+        done();
+        Ok::<_, TrialError>(())
+    })?;
+    let family = if how.nuisance { " --nuisance" } else { "" };
+    let made = format!(
+        "`armtwin trial draw --cases {} --seed {}{family}`, armtwin {}",
+        how.cases,
+        how.seed,
+        env!("CARGO_PKG_VERSION")
+    );
+    seal::seal(out, made)
+}
+
+/// Times a case is drawn anew because the arm ran away or the effect hardly showed.
+const ATTEMPTS: u64 = 6;
+
+fn case(how: &Draw, number: usize, plan: &Plan, out: &Path) -> Result<(), TrialError> {
+    let name = case_name(number);
+    let mut last = None;
+    for attempt in 0..ATTEMPTS {
+        let mut rng = ChaCha8Rng::seed_from_u64(how.seed);
+        rng.set_stream(1 + number as u64 + (attempt << 32));
+        let hiding = Hiding::draw(how, plan, &mut rng, &name)?;
+        if !hiding.shows() && attempt + 1 < ATTEMPTS {
+            continue;
+        }
+        match simulate(hiding) {
+            Ok((hiding, runs)) => return write(how, plan, &name, attempt, &hiding, &runs, out),
+            Err(source) => last = Some(source),
+        }
+    }
+    let source = last.unwrap_or(SimulationError::Stopped { time_s: 0.0 });
+    Err(TrialError::Simulation { case: name, source })
+}
+
+/// Fit, check and third recording; the strength put right once where the plan was far off.
+fn simulate(mut hiding: Hiding) -> Result<(Hiding, [Run; 3]), SimulationError> {
+    let mut simulation = Simulation::new(&hiding.made.setup)?;
+    let mut fit = follow(&mut simulation, &hiding, &hiding.made.fit, 0)?;
+    hiding.measure(&fit);
+    if hiding.correct() {
+        simulation = Simulation::new(&hiding.made.setup)?;
+        fit = follow(&mut simulation, &hiding, &hiding.made.fit, 0)?;
+        hiding.measure(&fit);
+    }
+    let check = follow(&mut simulation, &hiding, &hiding.made.check, 1)?;
+    let third = follow(&mut simulation, &hiding, &hiding.third, 2)?;
+    Ok((hiding, [fit, check, third]))
+}
+
+fn follow(
+    simulation: &mut Simulation,
+    hiding: &Hiding,
+    command: &dyn Command,
+    number: u64,
+) -> Result<Run, SimulationError> {
+    simulation.run(command, hiding.made.seed, number, &mut |_| true)
+}
+
+fn write(
+    how: &Draw,
+    plan: &Plan,
+    name: &str,
+    attempt: u64,
+    hiding: &Hiding,
+    [fit, check, third]: &[Run; 3],
+    out: &Path,
+) -> Result<(), TrialError> {
+    let folder = out.join(name);
+    fs::create_dir_all(&folder).map_err(TrialError::io(&folder, "made"))?;
+    for (run, file, number) in [(fit, FIT, 0), (check, CHECK, 1)] {
+        write_csv(&shown(run, hiding, number), &folder.join(file))?;
+    }
+    let setup = &hiding.made.setup;
+    let twin = Twin { drive: setup.drive.clone(), ..Twin::default() };
+    write_text(&folder.join(TWIN), &twin.to_toml())?;
+    let withheld = plan.effects.iter().filter(|_| plan.kind == Kind::Withheld);
+    let without = withheld.map(|(name, _)| name.to_string()).collect();
+    write_settings(&folder, &Settings { without, ..how.settings.clone() })?;
+    third::write(&hiding.third_recording(third), out, name)?;
+    let truth = Truth {
+        schema: SCHEMA.into(),
+        armtwin: env!("CARGO_PKG_VERSION").into(),
+        case: name.into(),
+        kind: plan.kind,
+        effects: hiding
+            .effects
+            .iter()
+            .map(|e| hidden(&e.injection, e, setup.robot.dof()))
+            .collect(),
+        family: if how.nuisance { "nuisance" } else { "standard" }.into(),
+        noise_nm: hiding.noise(fit),
+        third: true,
+        made: serde_json::json!({
+            "draw": how,
+            "attempt": attempt,
+            "scenario": hiding.scenario,
+            "nuisance": hiding.nuisance,
+        }),
+    };
+    seal::write_truth(out, &truth)
+}
+
+fn hidden(injection: &Injection, effect: &super::hide::Effect, dof: usize) -> Hidden {
+    let about = injection.effect.about();
+    let joints: Vec<usize> = injection.joints.iter().map(|j| j + 1).collect();
+    let value = |(i, p): (usize, &crate::effects::Parameter)| TrueValue {
+        name: p.name.into(),
+        values: injection.values.iter().map(|row| row[i]).collect(),
+    };
+    Hidden {
+        effect: about.name.into(),
+        joints: if about.scope == Scope::Arm { Vec::new() } else { place(&joints, dof) },
+        parameters: about.parameters.iter().enumerate().map(value).collect(),
+        strength: effect.strength.clone(),
+    }
+}
+
+/// Channels a controller's log has; what the twin can work out itself is left away.
+fn shown(run: &Run, hiding: &Hiding, number: u64) -> Recording {
+    let mut recording = run.recording.clone();
+    let known = ["target_current", "target_moment"];
+    recording.channels.retain(|c| !known.iter().any(|k| c.name.starts_with(k)));
+    if let Some(nuisance) = &hiding.nuisance {
+        let dt = run.recording.time[1] - run.recording.time[0];
+        let mut rng = ChaCha8Rng::seed_from_u64(hiding.made.seed);
+        rng.set_stream((1 << 40) + number);
+        let current = nuisance.record_current(run, &hiding.made.setup, dt, &mut rng);
+        replace(&mut recording, "actual_current", &current);
+    }
+    for channel in &mut recording.channels {
+        let steps = if channel.name.starts_with("joint_temp") { 10.0 } else { 1e7 };
+        channel.values.iter_mut().for_each(|x| *x = (*x * steps).round() / steps);
+    }
+    recording
+}
