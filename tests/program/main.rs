@@ -11,6 +11,7 @@ mod recording;
 mod robots;
 mod round_trip;
 mod simulate;
+mod trial;
 
 use std::process::Command;
 

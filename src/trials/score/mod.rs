@@ -6,6 +6,8 @@ mod realised;
 mod rows;
 mod share;
 mod tables;
+#[cfg(test)]
+mod tests;
 
 pub use judged::{Judged, JudgedParameter, judge};
 pub use page::{Chapter, page};

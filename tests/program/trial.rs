@@ -1,0 +1,163 @@
+//! `armtwin trial`: seals, answers without the truth, resumption, repeatability.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use super::{Output, armtwin};
+
+fn trial(arguments: &[&str]) -> Output {
+    armtwin(&[&["trial"], arguments].concat())
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+fn draw(out: &Path, more: &[&str]) {
+    let few = ["draw", "--cases", "3", "--seed", "5", "--duration", "12", "--out", text(out)];
+    let only = ["--only", "clean,single,withheld,stribeck,current_offset"];
+    let run = trial(&[&few[..], &only[..], more].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+}
+
+fn answer(cases: &Path, out: &Path) -> String {
+    let run = trial(&["answer", text(cases), "--out", text(out)]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    run.stdout
+}
+
+/// Every file below a folder with its bytes, in order.
+fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found = Vec::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(dir) = open.pop() {
+        for entry in fs::read_dir(dir).unwrap() {
+            let path = entry.unwrap().path();
+            match path.is_dir() {
+                true => open.push(path),
+                false => {
+                    let name = path.strip_prefix(folder).unwrap().to_path_buf();
+                    found.push((name, fs::read(&path).unwrap()));
+                }
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn a_small_trial_from_end_to_end() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    draw(&at("cases"), &[]);
+    draw(&at("again"), &["--jobs", "1"]);
+    assert!(files(&at("cases")) == files(&at("again")), "the same seed drew other cases");
+    let case = at("cases").join("case-0001");
+    for file in ["fit.csv.gz", "check.csv.gz", "twin.toml", "settings.toml"] {
+        assert!(case.join(file).is_file(), "no {file}");
+    }
+
+    let blind = at("blind");
+    fs::rename(at("again"), &blind).unwrap();
+    fs::remove_dir_all(blind.join("sealed")).unwrap();
+    fs::remove_file(blind.join("seals.json")).unwrap();
+    answer(&at("cases"), &at("answers"));
+    answer(&blind, &at("blind_answers"));
+    let answers = files(&at("answers"));
+    assert_eq!(answers.len(), 3);
+    assert!(answers == files(&at("blind_answers")), "the truth was seen, or answers do not repeat");
+
+    let page = at("page.md");
+    let (cases, given) = (at("cases"), at("answers"));
+    let score = || {
+        trial(&[
+            "score",
+            text(&cases),
+            text(&given),
+            "--out",
+            text(&page),
+            "--json",
+            text(&at("s.json")),
+        ])
+    };
+    let run = score();
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let written = fs::read_to_string(&page).unwrap();
+    for word in ["Against the goals", "top-1 within the set", "Simpler rules", "3 cases"] {
+        assert!(written.contains(word), "no {word} in the page");
+    }
+    let scores = fs::read_to_string(at("s.json")).unwrap();
+    let scores: serde_json::Value = serde_json::from_str(&scores).unwrap();
+    assert_eq!(scores["trials"][0]["cases"].as_array().unwrap().len(), 3);
+
+    let sealed = cases.join("sealed/case-0001.json");
+    let truth = fs::read_to_string(&sealed).unwrap();
+    fs::write(&sealed, truth.replacen("\"case\": \"case-0001\"", "\"case\": \"case-0009\"", 1))
+        .unwrap();
+    let run = score();
+    assert_eq!(run.code, 1);
+    assert!(run.stderr.contains("case-0001.json: the seal is broken"), "{}", run.stderr);
+}
+
+#[test]
+fn answers_that_are_there_are_kept_and_others_made() {
+    let folder = TempDir::new().unwrap();
+    let (cases, answers) = (folder.path().join("cases"), folder.path().join("answers"));
+    draw(&cases, &[]);
+    answer(&cases, &answers);
+    let first = files(&answers);
+    fs::remove_file(answers.join("case-0000.json")).unwrap();
+    let said = answer(&cases, &answers);
+    assert!(said.contains("2 of them kept"), "{said}");
+    assert!(first == files(&answers), "an answer made later differs");
+    // Another recording under the same name is another case.
+    fs::copy(cases.join("case-0001/check.csv.gz"), cases.join("case-0001/fit.csv.gz")).unwrap();
+    let said = answer(&cases, &answers);
+    assert!(said.contains("2 of them kept"), "{said}");
+}
+
+#[test]
+fn cases_made_elsewhere_are_taken_and_unknown_effects_refused() {
+    let folder = TempDir::new().unwrap();
+    let (own, from) = (folder.path().join("own"), folder.path().join("from"));
+    draw(&own, &[]);
+    fs::create_dir_all(from.join("case-7")).unwrap();
+    fs::copy(own.join("case-0000/twin.toml"), from.join("twin.toml")).unwrap();
+    for (theirs, ours) in [("identification", "fit"), ("validation", "check")] {
+        let to = from.join(format!("case-7/{theirs}.csv.gz"));
+        fs::copy(own.join(format!("case-0000/{ours}.csv.gz")), to).unwrap();
+    }
+    let label = |effect: &str| {
+        let label = format!("{{\"effect\": \"{effect}\", \"joints\": [0]}}");
+        fs::write(from.join("case-7/truth.json"), label).unwrap();
+    };
+    let take = |out: &str, more: &[&str]| {
+        let out = folder.path().join(out);
+        trial(&[&["draw", "--from", text(&from), "--out", text(&out)], more].concat())
+    };
+    label("joint_offset");
+    assert_eq!(take("a", &[]).code, 0);
+    let truth = fs::read_to_string(folder.path().join("a/sealed/case-7.json")).unwrap();
+    assert!(truth.contains("\"encoder_offset\""), "{truth}");
+    label("squeak");
+    let run = take("b", &[]);
+    assert!(run.code == 1 && run.stderr.contains("no effect `squeak`"), "{}", run.stderr);
+    let names = folder.path().join("names.toml");
+    fs::write(&names, "[effects]\nsqueak = \"stribeck\"\n").unwrap();
+    let run = take("c", &["--names", text(&names)]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+}
+
+#[test]
+fn wrong_usage_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    let run = trial(&["draw", "--only", "paylod", "--out", text(&out)]);
+    assert!(run.code == 1 && run.stderr.contains("paylod"), "{}", run.stderr);
+    let run = trial(&["answer", text(folder.path()), "--out", text(&out)]);
+    assert!(run.code == 1 && run.stderr.contains("holds no cases"), "{}", run.stderr);
+    assert_eq!(trial(&["score", "one"]).code, 2);
+}
