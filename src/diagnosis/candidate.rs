@@ -53,11 +53,19 @@ pub struct Term {
     pub searched: Vec<usize>,
     /// Linear parameters that are held at zero, which is their bound.
     pub held: Vec<bool>,
+    /// Standard deviations of the linear parameters, known beforehand; empty: nothing is known.
+    pub prior: Vec<f64>,
 }
 
 impl Term {
     pub fn new(candidate: Candidate, nonlinear: Vec<f64>) -> Self {
-        Self { candidate, nonlinear, searched: vec![], held: vec![false; candidate.linear()] }
+        Self {
+            candidate,
+            nonlinear,
+            searched: vec![],
+            held: vec![false; candidate.linear()],
+            prior: vec![],
+        }
     }
 
     /// The columns of those parameters that are not held.

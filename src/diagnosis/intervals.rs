@@ -26,8 +26,9 @@ pub fn values(fit: &Fit<'_, '_>) -> Vec<Vec<answer::Value>> {
     let shares = effective_shares(&fit.system.residual);
     let weights: Vec<f64> =
         fit.evidence.weights(&fit.squares).iter().zip(&shares).map(|(w, s)| w * s).collect();
-    let none = vec![f64::INFINITY; columns.len()];
-    let system = System::solve(columns, &fit.system.residual, weights, &none);
+    let mut priors = fit.model.priors();
+    priors.resize(columns.len(), f64::INFINITY);
+    let system = System::solve(columns, &fit.system.residual, weights, &priors);
     let wide = normal_quantile(0.5 + 0.5 * LEVEL);
     let cause = |i: usize| {
         let values = fit.values(i);

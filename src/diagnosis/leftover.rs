@@ -81,11 +81,12 @@ impl Remains {
         joints.iter().map(|&j| self.after[j]).fold(1.0, f64::max)
     }
 
-    /// Of what was systematic at a joint, the share that is gone.
-    pub fn explained(&self, joint: usize) -> f64 {
-        let above = |x: f64| (x - 1.0).max(0.0);
-        match above(self.before[joint]) {
-            before if before > 0.0 => 1.0 - above(self.after[joint]) / before,
+    /// Of what was systematic at these joints, in units of their noise, the share that is gone.
+    pub fn explained(&self, joints: &[usize]) -> f64 {
+        let above =
+            |ratios: &[f64]| -> f64 { joints.iter().map(|&j| (ratios[j] - 1.0).max(0.0)).sum() };
+        match above(&self.before) {
+            before if before > 0.0 => 1.0 - above(&self.after) / before,
             _ => 1.0,
         }
     }

@@ -94,6 +94,5 @@ pub fn diagnose(
     let (fit, check) = (evidence(&fit, &floors[0])?, evidence(&check, &floors[1])?);
     let candidates = candidate::candidates(twin, &settings.without);
     let search = select::Search { fit: &fit, check: &check, settings, candidates };
-    let [_, floor] = floors.clone();
-    Ok(verdict::findings(&search, floor).answer())
+    Ok(verdict::findings(&search, &floors[1]).answer())
 }

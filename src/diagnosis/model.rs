@@ -2,11 +2,12 @@
 
 use nalgebra::DVector;
 
+use super::Settings;
 use super::candidate::{Candidate, Place, Term, sense, shown};
 use super::columns::Blocks;
 use super::evidence::Evidence;
 use super::system::System;
-use crate::effects::{Mechanism, Motion, Role, Scope};
+use crate::effects::{Mechanism, Motion, Role, Scope, find};
 use crate::robot::Robot;
 use crate::series::JointSeries;
 use crate::twin::Twin;
@@ -40,6 +41,30 @@ impl Model {
         };
         let open = twin.open().flat_map(everywhere).collect();
         Self { open, causes: Vec::new(), laden: twin.laden() }
+    }
+
+    /// The same with link masses and centres free within what is known of them.
+    pub fn of_uncertain(twin: &Twin, settings: &Settings) -> Self {
+        let mut model = Self::of(twin);
+        let Some(effect) = find("link_inertia") else { return model };
+        model.open.extend((0..twin.robot.dof()).map(|j| {
+            let inertia = &twin.robot.bodies[j].inertia;
+            let mass = settings.mass_error * inertia.mass;
+            let moment = settings.centre_error_m * inertia.mass + mass * inertia.com.norm();
+            let place = Place::Joint(j);
+            let prior = vec![mass, moment, moment, moment];
+            Term { prior, ..Term::new(Candidate { effect, place }, Vec::new()) }
+        }));
+        model
+    }
+
+    /// Standard deviations of all linear parameters, infinite where nothing is known.
+    pub fn priors(&self) -> Vec<f64> {
+        let of_term = |t: &Term| match t.prior.is_empty() {
+            true => vec![f64::INFINITY; t.candidate.linear()],
+            false => t.prior.clone(),
+        };
+        self.terms().flat_map(of_term).collect()
     }
 
     pub fn with(&self, cause: Term) -> Self {
@@ -141,7 +166,7 @@ impl<'a, 'e> Fit<'a, 'e> {
     /// Least squares; joints are weighted by what the model leaves of them, in two rounds.
     pub fn new(evidence: &'a Evidence<'e>, mut model: Model) -> Self {
         let built = Built::new(evidence, &model);
-        let priors = vec![f64::INFINITY; built.columns.len()];
+        let priors = model.priors();
         let weights = evidence.weights(&built.y.squares());
         let first = System::solve(built.columns.clone(), &built.y, weights, &priors);
         let weights = evidence.weights(&first.residual.squares());

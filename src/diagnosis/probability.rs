@@ -5,8 +5,8 @@ use super::leftover::{Remains, SYSTEMATIC};
 /// Of "unknown": steepness over the logarithm of what is left, and over the share explained.
 const STEEP_LEFT: f64 = 3.0;
 const STEEP_SHARE: f64 = 10.0;
-/// Share of what was systematic at a joint that a cause has to explain there.
-pub const LEAST_SHARE: f64 = 0.5;
+/// Share of what was systematic that the causes have to explain.
+const LEAST_SHARE: f64 = 0.5;
 /// Times the systematic limit where a leftover counts as much for as against the cause.
 const HALFWAY: f64 = 2.0;
 
@@ -16,12 +16,7 @@ const HALFWAY: f64 = 2.0;
 /// joint a cause acts on speaks against it. Where no joint is, the twin is inexact throughout and
 /// only the share explained counts.
 pub fn of_unknown(remains: &Remains, joints: &[usize]) -> f64 {
-    let share = joints
-        .iter()
-        .filter(|&&j| remains.before[j] > SYSTEMATIC)
-        .map(|&j| remains.explained(j))
-        .fold(1.0, f64::min);
-    let by_share = logistic(STEEP_SHARE * (LEAST_SHARE - share));
+    let by_share = logistic(STEEP_SHARE * (LEAST_SHARE - remains.explained(joints)));
     match remains.is_exact() {
         true => {
             let left = (remains.worst(joints) / (HALFWAY * SYSTEMATIC)).ln();

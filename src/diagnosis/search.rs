@@ -34,7 +34,7 @@ impl Trial {
     pub fn term(&self) -> Term {
         let held = self.linear.iter().map(|v| *v == 0.0).collect();
         let (candidate, nonlinear) = (self.candidate, self.nonlinear.clone());
-        Term { candidate, nonlinear, searched: self.searched(), held }
+        Term { searched: self.searched(), held, ..Term::new(candidate, nonlinear) }
     }
 
     /// The nonlinear parameters that are searched: those that differ among the starts.

@@ -142,12 +142,17 @@ impl<'a, 'e> Search<'a, 'e> {
             (1 + as_good) as f64 / (1 + by_chance.len()) as f64
         };
         let in_motion_band = in_motion_band(self.check, &state.residual);
-        let tolerance = ranked.first().map_or(LEAST_NATS, |best| self.tolerance(best));
-        let (accepted, declined) = match ranked.first() {
+        let physical = ranked.iter().position(|h| h.at_bound.is_none());
+        let best = physical.map(|i| &ranked[i]);
+        let tolerance = best.map_or(LEAST_NATS, |best| self.tolerance(best));
+        let (accepted, declined) = match best {
             None => (None, Some("nothing gains anything".to_string())),
-            Some(_) => self.decide(state, &ranked, tolerance, &in_motion_band, &p),
+            Some(best) => {
+                let from = best.score - tolerance;
+                self.decide(state, &ranked, from, &in_motion_band, &p)
+            }
         };
-        let p = ranked.first().map_or(1.0, p);
+        let p = best.map_or(1.0, p);
         Round { ranked, p, screened, in_motion_band, tolerance, accepted, declined }
     }
 
@@ -186,24 +191,25 @@ impl<'a, 'e> Search<'a, 'e> {
         for h in ranked.iter_mut() {
             h.gain_fit = gain(self.fit, &state.fit.squares, &h.fit.squares, share);
             h.gain_check = gain(self.check, &check_before, &h.residual.squares(), share);
-            h.score = h.gain_fit + h.gain_check - price(&h.trial, &h.fit);
+            h.score =
+                h.gain_fit + h.gain_check - price(&h.trial, &h.fit) - surprise(&h.trial, &h.fit);
         }
         ranked.sort_by(|a, b| b.score.total_cmp(&a.score));
     }
 
-    /// The first of the ranking that can be accepted, if it is as good as the best.
+    /// The first of the ranking that can be accepted, down to the score `from`; what is at a bound
+    /// is no explanation.
     fn decide(
         &self,
         state: &State,
         ranked: &[Hypothesis],
-        tolerance: f64,
+        from: f64,
         in_motion_band: &[f64],
         p: &dyn Fn(&Hypothesis) -> f64,
     ) -> (Option<usize>, Option<String>) {
-        let best = &ranked[0];
-        let near = ranked.iter().take_while(|h| h.score >= best.score - tolerance);
+        let near = ranked.iter().take_while(|h| h.score >= from);
         let mut why = None;
-        for (i, h) in near.enumerate() {
+        for (i, h) in near.enumerate().filter(|(_, h)| h.at_bound.is_none()) {
             match self.objection(state, h, in_motion_band, p(h)) {
                 None => return (Some(i), None),
                 Some(objection) => why = why.or(Some(objection)),
@@ -235,9 +241,6 @@ impl<'a, 'e> Search<'a, 'e> {
                  {:.0} % of them",
                 100.0 * p
             ));
-        }
-        if let Some(parameter) = h.at_bound {
-            return Some(format!("{name} fits only with {parameter} at its bound"));
         }
         if h.gain_check < LEAST_NATS {
             return Some(format!("{name} does not help on the second recording"));
@@ -294,6 +297,14 @@ fn price(trial: &Trial, fit: &Fit) -> f64 {
     let rows: usize =
         (0..fit.evidence.joints()).filter(touched).map(|j| fit.evidence.rows[j].len()).sum();
     0.5 * (trial.linear.len() + searched) as f64 * (rows.max(2) as f64).ln()
+}
+
+/// How unlikely the values are by what is known of them beforehand, nats.
+fn surprise(trial: &Trial, fit: &Fit) -> f64 {
+    let joint = if let Place::Joint(j) = trial.candidate.place { j } else { 0 };
+    let expected = trial.candidate.effect.expected(&fit.evidence.twin.robot, joint);
+    let values = fit.values(fit.model.causes.len() - 1);
+    expected.iter().zip(values).map(|(sd, value)| 0.5 * (value / sd).powi(2)).sum()
 }
 
 /// Effective over actual samples of what is left, joint by joint.

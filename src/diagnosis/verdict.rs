@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::candidate::Place;
 use super::columns::Blocks;
 use super::evidence::Evidence;
-use super::leftover::{Remains, SYSTEMATIC, leftover};
+use super::leftover::{Remains, SYSTEMATIC, in_motion_band, leftover};
 use super::model::{Fit, Model};
 use super::select::{Hypothesis, Round, Search, State, acts_on, describe};
 use super::untestable::untestable;
@@ -28,6 +28,10 @@ pub struct Findings<'a, 'e> {
     pub start: State<'a, 'e>,
     pub rounds: Vec<Round<'a, 'e>>,
     pub floor: Vec<Floor>,
+    /// Are link masses and centres fitted along?
+    uncertain: bool,
+    /// What the other choice would have named, where that differs.
+    other: Option<Vec<String>>,
 }
 
 impl<'a, 'e> Findings<'a, 'e> {
@@ -189,6 +193,10 @@ impl<'a, 'e> Findings<'a, 'e> {
         let mut next = 0;
         for term in &fit.model.open {
             let mut nonlinear = term.nonlinear.iter();
+            if !term.prior.is_empty() {
+                next += term.candidate.linear();
+                continue;
+            }
             for p in term.candidate.effect.about().parameters {
                 let value = match p.role {
                     Role::Linear => {
@@ -257,6 +265,22 @@ impl<'a, 'e> Findings<'a, 'e> {
 
     fn notes(&self, remains: &Remains, unknown: f64) -> Vec<String> {
         let mut notes = Vec::new();
+        let Settings { mass_error, centre_error_m, .. } = self.settings();
+        if self.uncertain {
+            notes.push(format!(
+                "link masses are fitted along, known to {:.0} %, their centres to {:.0} mm",
+                100.0 * mass_error,
+                1000.0 * centre_error_m
+            ));
+        }
+        if let Some(other) = &self.other {
+            let taken = if self.uncertain { "taken as they are" } else { "fitted along" };
+            let named = if other.is_empty() { "nothing".into() } else { other.join(", ") };
+            notes.push(format!(
+                "with link masses {taken} the search finds {named}: the verdict \
+                                depends on how well they are known"
+            ));
+        }
         if let Some(why) = self.rounds.last().and_then(|r| r.declined.as_ref()) {
             notes.push(format!("the search ended because {why}"));
         }
@@ -304,9 +328,35 @@ fn share_of(round: &Round, h: &Hypothesis) -> f64 {
     found.map_or(0.0, |i| shares[i])
 }
 
-/// The twin's own fit and everything found against it.
-pub fn findings<'a, 'e>(search: &'a Search<'a, 'e>, floor: Vec<Floor>) -> Findings<'a, 'e> {
-    let start = search.state(Model::of(search.fit.twin));
-    let rounds = search.run(&start);
-    Findings { search, start, rounds, floor }
+impl Findings<'_, '_> {
+    /// What is left on the check recording where the arm moves, at the worst joint.
+    fn worst(&self) -> f64 {
+        let last = self.accepted().last().map_or(&self.start.residual, |h| &h.residual);
+        in_motion_band(self.search.check, last).into_iter().fold(1.0, f64::max)
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.accepted().iter().map(|h| describe(h.trial.candidate)).collect()
+    }
+}
+
+/// The twin's own fit and everything found against it. Where that leaves something systematic, the
+/// search is repeated with link masses and centres free within what is known of them; the one that
+/// leaves less is the answer.
+pub fn findings<'a, 'e>(search: &'a Search<'a, 'e>, floor: &[Floor]) -> Findings<'a, 'e> {
+    let run = |model: Model, uncertain| {
+        let start = search.state(model);
+        let rounds = search.run(&start);
+        Findings { search, start, rounds, floor: floor.to_vec(), uncertain, other: None }
+    };
+    let (twin, settings) = (search.fit.twin, search.settings);
+    let exact = run(Model::of(twin), false);
+    if exact.worst() < SYSTEMATIC || settings.mass_error <= 0.0 {
+        return exact;
+    }
+    let free = run(Model::of_uncertain(twin, settings), true);
+    let (mut better, worse) =
+        if free.worst() < exact.worst() { (free, exact) } else { (exact, free) };
+    better.other = Some(worse.names()).filter(|names| *names != better.names());
+    better
 }

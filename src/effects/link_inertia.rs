@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope};
-use crate::robot::{Inertia, body_regressor_series};
+use crate::robot::{Inertia, Robot, body_regressor_series};
 use crate::series::JointSeries;
 
 pub struct LinkInertia;
@@ -77,6 +77,12 @@ impl Effect for LinkInertia {
         (0..4).map(|i| weighted_sum(&body, &per_unit(inertia, i))).collect()
     }
 
+    fn expected(&self, robot: &Robot, joint: usize) -> Vec<f64> {
+        let inertia = &robot.bodies[joint].inertia;
+        let moment = inertia.mass * (CENTRE_ERROR_M + MASS_ERROR * inertia.com.norm());
+        vec![MASS_ERROR * inertia.mass, moment, moment, moment]
+    }
+
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         let inertia = &mut mechanism.robot.bodies[joint].inertia;
         let moment = inertia.com * inertia.mass + Vector3::new(values[1], values[2], values[3]);
@@ -86,6 +92,10 @@ impl Effect for LinkInertia {
         }
     }
 }
+
+/// What data sheets and CAD are commonly wrong by: of a mass, and of its centre, m.
+const MASS_ERROR: f64 = 0.1;
+const CENTRE_ERROR_M: f64 = 0.02;
 
 /// The ten inertial parameters per unit of dm (`i` = 0) or of a first moment: with h = m c,
 /// d I_o = d(h^T h 1 - h h^T)/m.

@@ -52,6 +52,7 @@ pub use mechanism::{ControlChange, Mechanism, Transmission};
 pub use motion::Motion;
 pub use state::{ArmState, JointLoad, JointState};
 
+use crate::robot::Robot;
 use crate::series::JointSeries;
 
 /// The values of all parameters of an effect, each from `given` by name; references that are not
@@ -211,6 +212,12 @@ pub trait Effect: Sync {
     /// Explain: where columns hold only near a reference that follows from the linear parameters
     /// (a gap, a compliance), sets that reference. The columns are then worked out again.
     fn settle(&self, _linear: &[f64], _nonlinear: &mut [f64]) {}
+
+    /// Explain: how large the linear parameters at `joint` can be expected to be, standard
+    /// deviations; empty where nothing is known beforehand.
+    fn expected(&self, _robot: &Robot, _joint: usize) -> Vec<f64> {
+        Vec::new()
+    }
 
     /// Explain: undoes on one joint's conditioned channels what [`measure`](Effect::measure) did
     /// to them, for given values of all parameters, so that motion and torque belong together.
