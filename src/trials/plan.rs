@@ -71,7 +71,7 @@ fn refuse_unknown(only: &[String]) -> Result<(), TrialError> {
     }
 }
 
-/// All there is of a kind, shuffled.
+/// All there is of a kind, in the order it is to be drawn.
 fn pool(kind: Kind, only: &[String], rng: &mut ChaCha8Rng) -> Vec<Plan> {
     let all = CATALOGUE.iter().chain(FOREIGN).map(|e| e.about().name);
     let chosen: Vec<&str> = all.filter(|n| only.iter().any(|o| o == n)).collect();
@@ -83,25 +83,48 @@ fn pool(kind: Kind, only: &[String], rng: &mut ChaCha8Rng) -> Vec<Plan> {
     };
     let (hidden, seen): (Effects, Effects) = CATALOGUE.iter().copied().partition(unseen);
     let seen: Effects = seen.into_iter().filter(|e| !KNOWN.contains(&e.about().name)).collect();
-    let mut plans = match kind {
-        Kind::Clean if chosen.is_empty() => vec![Plan { kind, effects: vec![] }],
+    match kind {
+        Kind::Clean if chosen.is_empty() || only.iter().any(|o| o == kind.name()) => {
+            vec![Plan { kind, effects: vec![] }]
+        }
         Kind::Clean => vec![],
-        Kind::Single => graded(kind, &names(&seen), &STRENGTHS),
-        Kind::Withheld => graded(kind, &names(&seen), &STRENGTHS[1..]),
-        Kind::Foreign => graded(kind, &names(FOREIGN), &STRENGTHS[1..]),
+        Kind::Single => graded(kind, &names(&seen), &STRENGTHS, rng),
+        Kind::Withheld => graded(kind, &names(&seen), &STRENGTHS[1..], rng),
+        Kind::Foreign => graded(kind, &names(FOREIGN), &STRENGTHS[1..], rng),
         Kind::Unseen => names(&hidden)
             .into_iter()
             .map(|name| Plan { kind, effects: vec![(name, None)] })
             .collect(),
         Kind::Pair => pairs(&names(&seen), rng),
-    };
-    plans.shuffle(rng);
-    plans
+    }
 }
 
-fn graded(kind: Kind, names: &[&'static str], strengths: &[f64]) -> Vec<Plan> {
-    let plan = |name: &&'static str, s: f64| Plan { kind, effects: vec![(*name, Some(s))] };
-    names.iter().flat_map(|name| strengths.iter().map(move |s| plan(name, *s))).collect()
+/// Round after round of all effects, each round in another order and each effect at a strength it
+/// has not had yet.
+fn graded(
+    kind: Kind,
+    names: &[&'static str],
+    strengths: &[f64],
+    rng: &mut ChaCha8Rng,
+) -> Vec<Plan> {
+    let shuffled = |rng: &mut ChaCha8Rng| {
+        let mut order = strengths.to_vec();
+        order.shuffle(rng);
+        order
+    };
+    let orders: Vec<Vec<f64>> = names.iter().map(|_| shuffled(rng)).collect();
+    let mut plans = Vec::new();
+    for round in 0..strengths.len() {
+        let with_strength = names.iter().zip(&orders);
+        let plan = |(name, order): (&&'static str, &Vec<f64>)| Plan {
+            kind,
+            effects: vec![(*name, Some(order[round]))],
+        };
+        let mut all: Vec<Plan> = with_strength.map(plan).collect();
+        all.shuffle(rng);
+        plans.extend(all);
+    }
+    plans
 }
 
 /// Every effect with the next of a shuffled list, at two strengths.
@@ -169,6 +192,8 @@ mod tests {
         let payload = drawn(9, &["single", "payload"]);
         assert_eq!(payload.len(), 9);
         assert!(payload.iter().all(|p| p.kind == Kind::Single && p.effects[0].0 == "payload"));
+        let mixed = drawn(12, &["clean", "single", "payload"]);
+        assert!(mixed.iter().any(|p| p.kind == Kind::Clean));
         let only = ["paylod".to_string()];
         let refused = plans(1, &only, &mut ChaCha8Rng::seed_from_u64(1));
         assert!(refused.unwrap_err().to_string().contains("paylod"));
