@@ -3,7 +3,7 @@
 use crate::signals::{Conditioning, Derivatives};
 
 /// What is not given stays as [`Conditioning::default`] has it.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 #[command(next_help_heading = "Signals")]
 pub struct ConditioningArgs {
     /// Resample onto this rate [default: the recording's own]

@@ -1,27 +1,31 @@
 //! `armtwin demo`: the main job in one go, on an arm whose parameters are known.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
-use super::simulate;
+use super::{diagnose, simulate};
+use crate::diagnosis;
 use crate::identification::{
     ArmProblem, BoundsByName, Dropped, MethodResult, Settings, Terms, assemble, fitted_twin,
     identify, reduce,
 };
+use crate::recording::Recording;
 use crate::report::table;
 use crate::signals::condition;
 use crate::simulation::{Experiment, Run, Scenario, Truth};
 use crate::studies::recovery::{Recovered, blank_twin, conditioning, recovered};
-use crate::twin::Twin;
+use crate::twin::{PerJoint, Twin};
 
-/// Simulate a UR5 with hidden friction, identify it by PSO and NLSE, show the twin beside it
+/// Simulate a UR5 with hidden friction and a hidden effect, identify the one, diagnose the other
 #[derive(clap::Args)]
 #[command(after_help = "Example: armtwin demo --out demo
 
-Writes DIR/fit.csv and check.csv (the recordings), truth.json (what was hidden in them), twin.toml
-(what was found) and twin.rrd (the twin beside check.csv, for the viewer). The scenario is
-scenarios/ur5_friction.toml.")]
+Writes DIR/fit.csv and check.csv (the recordings), truth.json (what was hidden in them),
+diagnosis.json (what the identified twin lacks), twin.toml (the twin with all that was found) and
+twin.rrd (that twin beside check.csv, for the viewer). The scenario is scenarios/ur5_friction.toml
+with a torque ripple on joint 3, which identification does not look for.")]
 pub struct Args {
     /// Folder for the results
     #[arg(long, value_name = "DIR", default_value = "demo")]
@@ -35,16 +39,23 @@ pub struct Args {
 }
 
 const SCENARIO: &str = "scenarios/ur5_friction.toml";
+/// The effect nobody tells the twin of: cogging, once in every 10 degrees.
+const HIDDEN: &str = "torque_ripple";
+const HIDDEN_JOINT: usize = 3;
+const HIDDEN_VALUES: [(&str, f64); 3] =
+    [("ripple_sine", 1.2), ("ripple_cosine", 0.6), ("ripple_order", 36.0)];
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let mut scenario =
         Scenario::parse(include_str!("../../scenarios/ur5_friction.toml"), SCENARIO)?;
     scenario.seed = args.seed;
     scenario.shorten(args.duration);
+    hide(&mut scenario);
     let made = scenario.work_out(SCENARIO)?;
     println!("armtwin {}  demo  seed {}", env!("CARGO_PKG_VERSION"), args.seed);
     println!(
-        "1. Simulate a UR5 with hidden friction in rapier: two recordings of {} s, {} Hz, {} dB",
+        "1. Simulate a UR5 in rapier with hidden friction and a hidden {HIDDEN} on joint \
+         {HIDDEN_JOINT}: two recordings of {} s, {} Hz, {} dB",
         args.duration,
         scenario.rate_hz,
         scenario.noise.snr_db.unwrap_or(f64::INFINITY)
@@ -56,11 +67,28 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     println!("2. Identify Eq. 1, rotor inertia and offset on fit.csv, hold them against check.csv");
     let found = Found::new(&made, &fit, &check, args.seed)?;
     found.print(&made);
-    found.twin.save(&args.out.join("twin.toml"))?;
-    println!("\n3. Put the twin beside check.csv");
-    show(&found.twin, &check, &args.out.join("twin.rrd"))?;
+    println!("\n3. Diagnose what the identified twin lacks\n");
+    let mended = diagnosed(found.open(), [fit.recording, check.recording.clone()], args)?;
+    println!("4. Put the mended twin beside check.csv");
+    show(&mended, &check, &args.out.join("twin.rrd"))?;
     println!("\nEverything is in {}", args.out.display());
     Ok(())
+}
+
+fn hide(scenario: &mut Scenario) {
+    let values = HIDDEN_VALUES.into_iter().chain([("joints", HIDDEN_JOINT as f64)]);
+    let table = values.map(|(key, value)| (key.to_string(), PerJoint::All(value)));
+    scenario.effects.insert(HIDDEN.into(), table.collect());
+}
+
+/// Prints the answer, writes diagnosis.json and twin.toml, returns the mended twin.
+fn diagnosed(twin: Twin, recordings: [Recording; 2], args: &Args) -> anyhow::Result<Twin> {
+    let settings = diagnosis::Settings { seed: args.seed, ..diagnosis::Settings::default() };
+    let recordings = diagnose::conditioned(recordings, &twin)?;
+    let done = diagnose::diagnose(twin, recordings, settings, true)?;
+    print!("{}", diagnose::findings(&done));
+    diagnose::write(&done, &args.out)?;
+    Ok(done.mended)
 }
 
 /// What identification made of the recordings.
@@ -86,6 +114,12 @@ impl Found {
         let nlse = results.last().context("no method ran")?;
         let twin = fitted_twin(&blank, &terms, &fit, nlse)?;
         Ok(Self { dropped, results, twin })
+    }
+
+    /// The identified twin without the values of its friction: what it lacks has misled them (a
+    /// ripple hides a Stribeck curve), so that they are fitted again with what it lacks.
+    fn open(&self) -> Twin {
+        Twin { values: BTreeMap::new(), ..self.twin.clone() }
     }
 
     fn print(&self, made: &Experiment) {

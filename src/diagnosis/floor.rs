@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::local_noise::{local_noise, quiet_times};
 use super::repeats::cycle;
 use crate::robot::{Workspace, mass_matrix};
 use crate::series::JointSeries;
@@ -12,7 +13,6 @@ use crate::signals::{
     Derivatives, LowPass, Samples, SavitzkyGolay, central_difference, mean_difference,
     second_difference,
 };
-use crate::statistics::noise_from_periodogram;
 use crate::twin::Twin;
 
 /// Root mean square of a joint's torque noise after the torque low-pass.
@@ -104,9 +104,9 @@ fn estimate(samples: &Samples, twin: &Twin, filter: Option<&LowPass>) -> Vec<f64
     };
     let source = if from_velocity(samples) { &samples.qd } else { &samples.q };
     let spread = |(series, band): (&JointSeries, &Range<f64>)| -> Vec<f64> {
-        let of = |j| noise_from_periodogram(series.joint(j), samples.rate_hz(), band.clone());
-        let finite = |sigma: f64| if sigma.is_finite() { sigma } else { 0.0 };
-        (0..samples.joints()).into_par_iter().map(of).map(finite).collect()
+        let of =
+            |j| local_noise(series.joint(j), samples.rate_hz(), band, &quiet_times(samples, j));
+        (0..samples.joints()).into_par_iter().map(of).collect()
     };
     let [torque, mut position] = [(&samples.torque, &quiet), (source, &motion)].map(spread);
     let damping = damping(samples, &motion);

@@ -10,6 +10,7 @@ mod floor;
 mod gap;
 mod intervals;
 mod leftover;
+mod local_noise;
 mod mend;
 mod model;
 mod probability;

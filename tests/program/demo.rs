@@ -15,7 +15,8 @@ fn the_demo_finds_what_it_hid() {
     let held = run.stdout.matches("holds the truth").count();
     let missed = run.stdout.matches("MISSES it").count();
     assert!(held >= 30 && missed <= 3, "{held} held, {missed} missed\n{}", run.stdout);
-    for file in ["fit.csv", "check.csv", "truth.json", "twin.toml"] {
+    assert!(run.stdout.contains("The twin lacks torque_ripple at joint 3"), "{}", run.stdout);
+    for file in ["fit.csv", "check.csv", "truth.json", "twin.toml", "diagnosis.json"] {
         assert!(fs::metadata(folder.join(file)).unwrap().len() > 100, "{file}");
     }
     #[cfg(feature = "viewer")]

@@ -2,6 +2,7 @@
 
 mod compare;
 mod demo;
+mod diagnose;
 mod effects;
 mod identify;
 mod mcmc;

@@ -81,12 +81,17 @@ pub fn set_aside(d: &Diagnosis) -> String {
 type Listed<'a> = (&'a str, Vec<usize>);
 
 fn by_reason<'a>(all: impl Iterator<Item = (&'a str, &'a [usize], &'a str)>) -> String {
-    let mut groups: Vec<(&str, Vec<Listed<'_>>)> = Vec::new();
+    let mut groups: Vec<(String, Vec<Listed<'_>>)> = Vec::new();
     for (effect, joints, why) in all {
-        let at = groups.iter().position(|g| g.0 == why).unwrap_or_else(|| {
-            groups.push((why, Vec::new()));
-            groups.len() - 1
-        });
+        let shared = |g: &(String, _)| common(&g.0, why);
+        let at = match groups.iter().position(|g| shared(g).is_some()) {
+            Some(at) => at,
+            None => {
+                groups.push((why.into(), Vec::new()));
+                groups.len() - 1
+            }
+        };
+        groups[at].0 = shared(&groups[at]).unwrap_or_default();
         match groups[at].1.iter_mut().find(|e| e.0 == effect) {
             Some(found) => found.1.extend(joints),
             None => groups[at].1.push((effect, joints.to_vec())),
@@ -96,9 +101,22 @@ fn by_reason<'a>(all: impl Iterator<Item = (&'a str, &'a [usize], &'a str)>) -> 
         true => (*effect).to_string(),
         false => format!("{effect} ({})", words::place(joints)),
     };
-    let line = |(why, effects): &(&str, Vec<Listed<'_>>)| {
+    let line = |(why, effects): &(String, Vec<Listed<'_>>)| {
         let effects: Vec<String> = effects.iter().map(each).collect();
-        paragraph("  ", &format!("{}: {why}", effects.join(", ")))
+        paragraph("  ", &format!("{why}: {}", effects.join(", ")))
     };
     groups.iter().map(line).collect()
+}
+
+/// What two reasons share that differ in numbers only, `..` in place of those; `None` for others.
+fn common(a: &str, b: &str) -> Option<String> {
+    let number = |word: &str| word == ".." || word.starts_with(|c: char| c.is_ascii_digit());
+    let (a, b): (Vec<&str>, Vec<&str>) = (a.split(' ').collect(), b.split(' ').collect());
+    let word = |(a, b): (&&str, &&str)| match (a == b, number(a) && number(b)) {
+        (true, _) => Some(a.to_string()),
+        (false, true) => Some("..".into()),
+        (false, false) => None,
+    };
+    let words: Option<Vec<String>> = a.iter().zip(&b).map(word).collect();
+    words.filter(|_| a.len() == b.len()).map(|words| words.join(" "))
 }

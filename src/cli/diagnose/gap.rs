@@ -23,14 +23,25 @@ pub fn section(gap: &Gap) -> String {
     titled("Where: recorded torque less the twin's", &format!("{joints}\n\n{regimes}\n{legend}"))
 }
 
-/// One row per regime, one column per joint, N.m.
-fn regimes(gap: &Gap) -> String {
+/// Of all joints; what only some have stands after what they have before it.
+fn names(gap: &Gap) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
-    for regime in gap.joints.iter().flat_map(|j| &j.regimes) {
-        if !names.contains(&regime.regime.as_str()) {
-            names.push(&regime.regime);
+    for joint in &gap.joints {
+        let mut next = 0;
+        for regime in &joint.regimes {
+            let at = names.iter().position(|n| *n == regime.regime).unwrap_or_else(|| {
+                names.insert(next, &regime.regime);
+                next
+            });
+            next = at + 1;
         }
     }
+    names
+}
+
+/// One row per regime, one column per joint, N.m.
+fn regimes(gap: &Gap) -> String {
+    let names = names(gap);
     let cell = |joint: &JointGap, name: &str| {
         let Some(r) = joint.regimes.iter().find(|r| r.regime == name) else { return "-".into() };
         let more = if r.low_nm > joint.high_nm { "+" } else { " " };

@@ -5,9 +5,9 @@ use std::path::Path;
 use anyhow::{Context, bail};
 
 use crate::cli::conditioning::ConditioningArgs;
-use crate::diagnosis;
+use crate::diagnosis::conditioning;
 use crate::recording::{Channel, Provenance, Recording};
-use crate::signals::{Samples, condition as to_samples};
+use crate::signals::{Conditioning, Samples, condition as to_samples};
 use crate::twin::Twin;
 
 /// A recording and what became of it.
@@ -40,7 +40,7 @@ pub fn condition(
     flags: &ConditioningArgs,
 ) -> anyhow::Result<[Recorded; 2]> {
     let dof = twin.robot.dof();
-    let how = flags.over(diagnosis::conditioning(&recordings[0], dof));
+    let how = flags.over(common(&recordings, dof));
     let recorded = |recording: Recording| -> anyhow::Result<Recorded> {
         let samples = to_samples(&recording, &twin.drive, dof, &how)
             .with_context(|| recording.provenance.source.clone())?;
@@ -48,6 +48,12 @@ pub fn condition(
     };
     let [fit, check] = recordings;
     Ok([recorded(fit)?, recorded(check)?])
+}
+
+/// Where one of them lacks the command, both are conditioned without.
+fn common(recordings: &[Recording; 2], dof: usize) -> Conditioning {
+    let [fit, check] = recordings.each_ref().map(|r| conditioning(r, dof));
+    if fit == check { fit } else { Conditioning::default() }
 }
 
 pub fn refuse_same_file(fit: &Path, check: &Path) -> anyhow::Result<()> {

@@ -71,6 +71,21 @@ pub struct Args {
     conditioning: ConditioningArgs,
 }
 
+pub(super) use self::output::write;
+
+/// Both recordings, conditioned as a diagnosis usually has them.
+pub(super) fn conditioned(
+    recordings: [Recording; 2],
+    twin: &Twin,
+) -> anyhow::Result<[Recorded; 2]> {
+    load::condition(recordings, twin, &ConditioningArgs::default())
+}
+
+/// What was found, for people.
+pub(super) fn findings(done: &Diagnosed) -> String {
+    page::findings(&done.diagnosis)
+}
+
 /// A diagnosis and all that led to it.
 pub(super) struct Diagnosed {
     pub twin: Twin,

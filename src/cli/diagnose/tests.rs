@@ -45,6 +45,11 @@ fn by_hand() -> Diagnosis {
         joints: vec![joint],
         why: "no temperatures are recorded".into(),
     };
+    let small = |effect: &str, errors: f64| Untestable {
+        effect: effect.into(),
+        joints: vec![3],
+        why: format!("it would be {errors} errors large, 4 are needed"),
+    };
     Diagnosis {
         schema: "armtwin.diagnosis/1".into(),
         armtwin: "0.0.0".into(),
@@ -90,7 +95,7 @@ fn by_hand() -> Diagnosis {
             }),
         },
         ranking: vec![ranked("payload", 0.97), ranked("unknown", 0.02), ranked("none", 0.01)],
-        untestable: vec![untestable(2), untestable(5)],
+        untestable: vec![untestable(2), small("stribeck", 1.5), untestable(5), small("lugre", 0.5)],
         rejected: vec![],
         leftover: Leftover { chi2_per_sample: vec![1.02, 0.98], ..Leftover::default() },
         next_experiment: "slow plateaus in both directions".into(),
@@ -125,7 +130,8 @@ fn everything_found_is_on_the_page() {
         "payload_mass",
         "2.805",
         "link_inertia at joint 6",
-        "temperature_friction (joints 2, 5): no temperatures",
+        "no temperatures are recorded: temperature_friction (joints 2, 5)",
+        "it would be .. errors large, 4 are needed: stribeck (joint 3), lugre (joint 3)",
         "99.9 %",
         "12.000",
         "slow plateaus",

@@ -1,0 +1,165 @@
+//! `armtwin diagnose`.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use super::armtwin;
+
+/// A UR5 that carries 2 kg (or not); the twin does not know.
+const SCENARIO: &str = "
+robot = \"ur5\"
+seed = 3
+[drive]
+rotor_inertia = [1.1, 1.1, 1.1, 0.14, 0.14, 0.14]
+[motion]
+kind = \"mixed\"
+seed = 5
+duration_s = 30
+[check]
+kind = \"random_frequency\"
+[noise]
+snr_db = 30
+position_rad = 2e-5
+[effects.coulomb]
+coulomb = [6.2, 7.4, 4.6, 1.6, 1.2, 0.9]
+[effects.viscous]
+viscous = [9.5, 11.8, 7.2, 1.9, 1.4, 1.1]
+";
+const PAYLOAD: &str = "
+[effects.payload]
+payload_mass = 2
+payload_moment_x = 0
+payload_moment_y = 0
+payload_moment_z = 0.14
+";
+const TWIN: &str = "scenarios/twins/ur5.toml";
+
+struct Folder(TempDir);
+
+impl Folder {
+    /// With fit.csv and check.csv.
+    fn simulated(effects: &str) -> Self {
+        let folder = Self(TempDir::new().unwrap());
+        fs::write(folder.path("scenario.toml"), format!("{SCENARIO}{effects}")).unwrap();
+        let made = armtwin(&["simulate", &folder.path("scenario.toml"), "--out", &folder.path("")]);
+        assert_eq!(made.code, 0, "{}", made.stderr);
+        folder
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.path().join(name).to_str().unwrap().to_string()
+    }
+
+    /// diagnosis.json and what was printed.
+    fn diagnosed(&self, twin: &str, out: &str) -> (Value, String) {
+        let (fit, check, out) = (self.path("fit.csv"), self.path("check.csv"), self.path(out));
+        let run =
+            armtwin(&["diagnose", "--fit", &fit, "--check", &check, "--twin", twin, "--out", &out]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        assert!(run.stderr.is_empty(), "quiet in a pipe, but: {}", run.stderr);
+        let text = fs::read_to_string(Path::new(&out).join("diagnosis.json")).unwrap();
+        (serde_json::from_str(&text).unwrap(), run.stdout)
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
+}
+
+#[test]
+fn a_hidden_payload_is_named_and_the_mended_twin_has_no_gap() {
+    let folder = Folder::simulated(PAYLOAD);
+    let (found, page) = folder.diagnosed(TWIN, "first");
+    assert_eq!(found["schema"], "armtwin.diagnosis/1");
+    let cause = &found["causes"][0];
+    assert_eq!(cause["effect"], "payload", "{page}");
+    assert_eq!(cause["joints"], serde_json::json!([]));
+    let mass = &cause["parameters"][0];
+    assert!((number(&mass["value"]) - 2.0).abs() < 0.1, "{mass}");
+    assert!(page.starts_with("The twin lacks payload"), "{page}");
+
+    let torque = &found["shrink"]["torque"];
+    assert!(number(&torque["fraction"]) > 0.8, "{torque}");
+    assert!(number(&torque["low"]) <= number(&torque["fraction"]));
+    let simulation = &found["shrink"]["simulation"];
+    for (before, after) in [
+        ("before_rad", "after_rad"),
+        ("torque_before_nm", "torque_after_nm"),
+        ("open_loop_before_rad", "open_loop_after_rad"),
+    ] {
+        let (before, after) = (number(&simulation[before]), number(&simulation[after]));
+        assert!(after < 0.5 * before, "{simulation}");
+    }
+    let ranking = found["ranking"].as_array().unwrap();
+    let sum: f64 = ranking.iter().map(|r| number(&r["probability"])).sum();
+    assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+    for special in ["none", "unknown"] {
+        assert!(ranking.iter().any(|r| r["effect"] == special), "{special}");
+    }
+
+    let (again, page) = folder.diagnosed(&folder.path("first/twin.toml"), "again");
+    assert_eq!(again["verdict"], "no_gap", "{page}");
+    assert!(again["causes"].as_array().unwrap().is_empty(), "{page}");
+}
+
+#[test]
+fn a_twin_that_is_right_has_no_gap() {
+    let folder = Folder::simulated("");
+    let (found, page) = folder.diagnosed(TWIN, "out");
+    assert_eq!(found["verdict"], "no_gap", "{page}");
+    for joint in found["gap"]["joints"].as_array().unwrap() {
+        let (gap, floor) = (number(&joint["rms_nm"]), number(&joint["noise_floor_nm"]));
+        assert!((0.7..1.4).contains(&(gap / floor)), "{joint}");
+        assert!(joint["regimes"].as_array().unwrap().len() > 8, "{joint}");
+    }
+}
+
+#[test]
+fn half_of_a_recording_is_held_back_where_there_is_no_other() {
+    let folder = Folder::simulated(PAYLOAD);
+    let (fit, json) = (folder.path("fit.csv"), folder.path("found.json"));
+    let run = armtwin(&[
+        "diagnose",
+        "--fit",
+        &fit,
+        "--twin",
+        TWIN,
+        "--no-simulation",
+        "--without",
+        "payload,link_inertia",
+        "--json",
+        &json,
+    ]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stdout.contains("second half"), "{}", run.stdout);
+    let found: Value = serde_json::from_str(&fs::read_to_string(json).unwrap()).unwrap();
+    assert!(found["shrink"]["simulation"].is_null());
+    let all = found["ranking"].as_array().unwrap();
+    assert!(all.iter().all(|r| r["effect"] != "payload"), "it was taken out");
+}
+
+/// Each ends with code 1, says what is wrong, and leaves nothing behind.
+#[test]
+fn what_cannot_be_diagnosed_is_refused() {
+    let folder = Folder(TempDir::new().unwrap());
+    let row = |k: usize| format!("{},{}\n", k as f64 * 0.008, (k as f64 * 0.02).sin());
+    let position: String = (0..2000).map(row).collect();
+    fs::write(folder.path("log.csv"), format!("timestamp,actual_q_0\n{position}")).unwrap();
+    let (log, out) = (folder.path("log.csv"), folder.path("out"));
+    let cases: [(&[&str], &str); 4] = [
+        (&["--fit", "absent.csv"], "absent.csv"),
+        (&["--fit", &log], "log.csv"),
+        (&["--fit", &log, "--check", &log], "--check"),
+        (&["--fit", &log, "--without", "gremlins"], "gremlins"),
+    ];
+    for (arguments, word) in cases {
+        let run = armtwin(&[&["diagnose", "--out", &out][..], arguments].concat());
+        assert_eq!(run.code, 1, "{arguments:?}: {}", run.stdout);
+        assert!(run.stderr.contains(word) && !run.stderr.contains("panicked"), "{}", run.stderr);
+        assert!(!Path::new(&out).exists(), "{arguments:?} left a folder");
+    }
+    assert_eq!(armtwin(&["diagnose"]).code, 2);
+}
