@@ -58,6 +58,13 @@ pub struct Judged {
     pub baselines: Vec<JudgedBaseline>,
 }
 
+impl Judged {
+    /// What is named closes nearly all of the true gap on a recording it has not seen.
+    pub fn stands_in(&self) -> bool {
+        !self.causes.is_empty() && self.realised.is_some_and(|r| r >= 0.95)
+    }
+}
+
 /// A parameter of a cause that is a hidden effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JudgedParameter {

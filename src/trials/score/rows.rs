@@ -124,6 +124,12 @@ pub fn goals(all: &[Judged]) -> Vec<Goal> {
             0.9,
             "at least .90",
         ),
+        Goal {
+            figure: "unknown or a stand-in, of these",
+            found: count(&outside, |j| j.abstained || j.stands_in()).to_string(),
+            goal: "no goal",
+            met: None,
+        },
         number("Brier score, all cases", brier(all), 0.0..=0.08, "at most .08"),
         Goal {
             figure: "90 % intervals that cover",

@@ -123,14 +123,9 @@ fn row_without_a_name(label: String, cases: &[&Judged]) -> Vec<String> {
         share(cases, |j| j.silent),
         share(cases, |j| j.abstained),
         named.len().to_string(),
-        share(&named, stands_in),
+        share(&named, Judged::stands_in),
         share(cases, |j| j.right),
     ]
-}
-
-/// What is named closes nearly all of the true gap on a recording it has not seen.
-fn stands_in(judged: &Judged) -> bool {
-    judged.realised.is_some_and(|r| r >= 0.95)
 }
 
 pub fn pairs(all: &[Judged]) -> String {

@@ -208,6 +208,7 @@ fn figures_are_held_against_their_goals() {
     assert_eq!(met("wrong name"), Some(false));
     assert_eq!(met("false alarms"), None);
     assert_eq!(met("realised"), Some(false));
+    assert!(!all[0].stands_in() && Judged { realised: Some(0.97), ..all[0].clone() }.stands_in());
     assert_eq!(coverage(&all), Share { hits: 2, of: 2 });
     assert_eq!(of_oracle(&all), [0.9, 0.9]);
 }
