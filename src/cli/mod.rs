@@ -6,6 +6,7 @@ mod compare;
 mod conditioning;
 mod convert;
 mod demo;
+mod detect;
 mod diagnose;
 mod effects;
 mod identify;
@@ -36,6 +37,7 @@ enum Command {
     Compare(compare::Args),
     Convert(convert::Args),
     Demo(demo::Args),
+    Detect(detect::Args),
     Diagnose(diagnose::Args),
     Effects(effects::Args),
     Identify(identify::Args),
@@ -66,6 +68,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Compare(args) => compare::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::Detect(args) => detect::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Effects(args) => effects::run(&args),
         Command::Identify(args) => identify::run(&args),

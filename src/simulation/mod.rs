@@ -25,4 +25,6 @@ pub use thermal::Thermal;
 pub use truth::Truth;
 
 #[cfg(test)]
+mod effect_tests;
+#[cfg(test)]
 mod tests;

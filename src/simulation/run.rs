@@ -270,6 +270,36 @@ impl Simulation {
             },
         };
         self.record_target(command, &mut recording);
+        let current_noise_a = self.sense(&exact, interval, seed, number, &mut recording);
+        put(&mut recording, "joint_temperatures", &exact.temperature);
+        let clean = [self.shown_q(&exact.q), exact.qd.clone(), self.shown_current(&exact.tau)];
+        let [q, qd, current] = self.effects_measure(interval, &exact, clean);
+        let shown = Shown { q, qd, current };
+        Run { recording, exact, shown, current_noise_a }
+    }
+
+    /// The same motion through the sensors once more, with the noise of another `seed`; what noise
+    /// does through the controller is not repeated.
+    pub fn sensed_again(&self, run: &Run, seed: u64, number: u64) -> Run {
+        let interval = self.clock.step_s * self.clock.steps_per_sample as f64;
+        let mut again = run.clone();
+        let sensed = |name: &str| name.starts_with("actual_");
+        again.recording.channels.retain(|c| !sensed(&c.name));
+        again.recording.provenance.source = format!("simulation, seed {seed}, recording {number}");
+        again.current_noise_a =
+            self.sense(&run.exact, interval, seed, number, &mut again.recording);
+        again
+    }
+
+    /// Puts what the sensors show into `recording`; returns the noise of the currents, A.
+    fn sense(
+        &self,
+        exact: &Exact,
+        interval: f64,
+        seed: u64,
+        number: u64,
+        recording: &mut Recording,
+    ) -> Vec<f64> {
         let current = self.shown_current(&exact.tau);
         let current_noise_a = sensors::sigma_of_snr(&current, self.noise.snr_db);
         let everywhere = |sigma: f64| vec![sigma; self.plant.dof()];
@@ -279,26 +309,22 @@ impl Simulation {
         let Noise { position_rad, velocity_rad_s, .. } = self.noise;
         let [q, qd, current] = self.effects_measure(
             interval,
-            &exact,
+            exact,
             [
                 noisy(Stream::Position, &self.shown_q(&exact.q), &everywhere(position_rad)),
                 noisy(Stream::Velocity, &exact.qd, &everywhere(velocity_rad_s)),
                 noisy(Stream::Current, &current, &current_noise_a),
             ],
         );
-        let clean = [self.shown_q(&exact.q), exact.qd.clone(), self.shown_current(&exact.tau)];
-        let [clean_q, clean_qd, clean_current] = self.effects_measure(interval, &exact, clean);
-        let shown = Shown { q: clean_q, qd: clean_qd, current: clean_current };
         let step = &self.quantisation;
         for (name, series, step) in [
             ("q", q, step.position_rad),
             ("qd", qd, step.velocity_rad_s),
             ("current", current, step.current_a),
         ] {
-            put(&mut recording, &format!("actual_{name}"), &sensors::rounded(&series, step));
+            put(recording, &format!("actual_{name}"), &sensors::rounded(&series, step));
         }
-        put(&mut recording, "joint_temperatures", &exact.temperature);
-        Run { recording, exact, shown, current_noise_a }
+        current_noise_a
     }
 
     /// Positions (rad) as the encoders show them.

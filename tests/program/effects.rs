@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use armtwin::effects::CATALOGUE;
+use armtwin::effects::{CATALOGUE, Parameter};
+use armtwin::simulation::Scenario;
+use armtwin::twin::Twin;
 
 use crate::armtwin;
 
@@ -59,6 +61,32 @@ fn an_unknown_effect_is_wrong_usage() {
     let out = armtwin(&["effects", "magic"]);
     assert_eq!(out.code, 2);
     assert!(out.stderr.contains("magic") && out.stderr.contains("stribeck"), "{}", out.stderr);
+}
+
+/// Scenarios and twins take every effect by its name and the names of its parameters.
+#[test]
+fn files_take_every_effect() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for effect in CATALOGUE {
+        let about = effect.about();
+        let file = root.join("scenarios/effects").join(about.name).with_extension("toml");
+        let made = Scenario::load(&file).unwrap().work_out("test").unwrap();
+        let hidden = made.setup.effects.iter().map(|i| i.effect.about().name);
+        assert!(hidden.into_iter().any(|name| name == about.name), "{}", about.name);
+        let given = |p: &&Parameter| !p.is_reference();
+        let values: String = about
+            .parameters
+            .iter()
+            .filter(given)
+            .map(|p| format!("{} = {:?}\n", p.name, p.typical))
+            .collect();
+        let text = format!("[twin]\neffects = [\"{}\"]\n[twin.values]\n{values}", about.name);
+        let twin = Twin::parse(&text, Path::new("TWIN.toml")).unwrap();
+        let known: Vec<_> = twin.known().map(|e| e.about().name).collect();
+        assert_eq!(known, [about.name]);
+        let read_back = Twin::parse(&twin.to_toml(), Path::new("TWIN.toml")).unwrap();
+        assert_eq!(read_back.values, twin.values, "{}", about.name);
+    }
 }
 
 /// A file that implements an effect is in the list; what is in the list is in the docs.

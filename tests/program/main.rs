@@ -2,6 +2,7 @@
 
 mod compare;
 mod demo;
+mod detect;
 mod diagnose;
 mod effects;
 mod identify;

@@ -1,0 +1,220 @@
+//! Weighted least squares over all joints, with and without an effect.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use crate::effects::{Motion, Role, Scope, Seen};
+use crate::series::JointSeries;
+use crate::signals::{Samples, SignalError};
+use crate::simulation::Injection;
+use crate::twin::Twin;
+
+/// Directions of the scaled columns weaker than this are not determined.
+const RANK: f64 = 1e-10;
+
+/// What is known of the arm, what is fitted anyway, what is sought.
+pub(super) struct Known {
+    pub twin: Twin,
+    pub fitted: Vec<Injection>,
+    pub sought: Vec<Injection>,
+}
+
+/// One recording as a regression: all joints below each other, in units of the noise.
+pub(super) struct Side {
+    y: DVector<f64>,
+    /// Of what is fitted anyway, then of the effect.
+    columns: DMatrix<f64>,
+    fitted: usize,
+    /// True values of the effect's columns.
+    truth: Vec<f64>,
+    /// Row where each joint begins, and the end.
+    starts: Vec<usize>,
+    /// Variance that the filter leaves of white noise.
+    passed: f64,
+}
+
+/// What one seed came to.
+pub(super) struct Trial {
+    /// Chi-square per sample on the second recording, with and without the effect.
+    pub left: f64,
+    pub left_without: f64,
+    /// |estimate - truth| / |truth| where the truth is not zero.
+    pub errors: Vec<f64>,
+    pub rms_over_noise: f64,
+}
+
+/// A column over all joints, N.m per unit, and its true coefficient.
+type Term = (JointSeries, f64);
+
+impl Known {
+    /// `noise`: standard deviation of each joint's torque, N.m.
+    pub(super) fn side(&self, samples: &Samples, noise: &[f64]) -> Result<Side, SignalError> {
+        let motion = self.twin.motion(samples);
+        let modelled = self.twin.torque(&motion);
+        let motion = Motion { known: Some(&modelled), ..motion };
+        let fitted: Vec<Term> = self.fitted.iter().flat_map(|i| terms(i, &motion)).collect();
+        let sought: Vec<Term> =
+            self.sought.iter().flat_map(|i| self.sought(i, samples, &motion)).collect();
+        let left = samples.torque.map_joints(|j, torque| {
+            torque.iter().zip(modelled.joint(j)).map(|(t, m)| t - m).collect()
+        });
+        let filter = samples.torque_filter()?;
+        let (mut series, mut truth) = (vec![left], Vec::new());
+        let count = fitted.len();
+        series.extend(fitted.into_iter().map(|(column, _)| column));
+        for (column, value) in sought {
+            series.push(column);
+            truth.push(value);
+        }
+        let mut stacked = vec![Vec::new(); series.len()];
+        let mut starts = vec![0];
+        for (joint, noise) in noise.iter().enumerate() {
+            let rows = samples.rows(joint);
+            let mut raw: Vec<Vec<f64>> = series.iter().map(|s| s.joint(joint).to_vec()).collect();
+            if let Some(filter) = &filter {
+                filter.apply_many(&mut raw);
+            }
+            for (all, column) in stacked.iter_mut().zip(raw) {
+                all.extend(rows.take(&column).iter().map(|x| x / noise));
+            }
+            starts.push(stacked[0].len());
+        }
+        let mut pulse = vec![vec![0.0; samples.len()]];
+        pulse[0][samples.len() / 2] = 1.0;
+        if let Some(filter) = &filter {
+            filter.apply_many(&mut pulse);
+        }
+        let passed = pulse[0].iter().map(|h| h * h).sum();
+        let mut columns = stacked.into_iter().map(DVector::from_vec);
+        let y = columns.next().unwrap_or_else(|| DVector::zeros(0));
+        let columns: Vec<_> = columns.collect();
+        let columns = DMatrix::from_columns(&columns);
+        Ok(Side { y, columns, fitted: count, truth, starts, passed })
+    }
+
+    fn sought(&self, injection: &Injection, samples: &Samples, motion: &Motion<'_>) -> Vec<Term> {
+        match injection.effect.seen() {
+            Seen::Columns => terms(injection, motion),
+            Seen::Channels => injection
+                .joints
+                .iter()
+                .enumerate()
+                .map(|(i, &joint)| (self.shown(injection, i, joint, samples), 1.0))
+                .collect(),
+            Seen::Simulation => Vec::new(),
+        }
+    }
+
+    /// By how much the model's torque is off where one joint's channels are not corrected, N.m.
+    fn shown(
+        &self,
+        injection: &Injection,
+        i: usize,
+        joint: usize,
+        samples: &Samples,
+    ) -> JointSeries {
+        let about = injection.effect.about();
+        let dof = self.twin.robot.dof();
+        let mut twin = self.twin.clone();
+        twin.effects = vec![about.name.into()];
+        for (p, value) in about.parameters.iter().zip(&injection.values[i]) {
+            let mut each = vec![if p.null.is_finite() { p.null } else { p.typical }; dof];
+            each[joint] = *value;
+            twin.values.insert(p.name.into(), each);
+        }
+        let (wrong, right) = (self.modelled(samples), self.modelled(&twin.correct(samples)));
+        right.map_joints(|j, right| right.iter().zip(wrong.joint(j)).map(|(r, w)| r - w).collect())
+    }
+
+    /// The torque of the twin and of the true values of what is fitted anyway, N.m.
+    fn modelled(&self, samples: &Samples) -> JointSeries {
+        let motion = self.twin.motion(samples);
+        let mut torque = self.twin.torque(&motion);
+        for (column, value) in self.fitted.iter().flat_map(|i| terms(i, &motion)) {
+            for joint in 0..torque.joints() {
+                let both = torque.joint_mut(joint).iter_mut().zip(column.joint(joint));
+                both.for_each(|(t, c)| *t += value * c);
+            }
+        }
+        torque
+    }
+}
+
+/// The columns of an effect at its joints, with its true values.
+fn terms(injection: &Injection, motion: &Motion<'_>) -> Vec<Term> {
+    let effect = injection.effect;
+    let about = effect.about();
+    let linear = about.parameters.iter().filter(|p| p.role == Role::Linear).count();
+    if about.scope == Scope::Arm {
+        let (linear, nonlinear) = injection.values[0].split_at(linear);
+        let joints: Vec<_> =
+            (0..motion.robot.dof()).map(|j| effect.columns(motion, j, nonlinear)).collect();
+        let column = |i: usize| {
+            let rows: Vec<Vec<f64>> = joints.iter().map(|c| c[i].clone()).collect();
+            JointSeries::from_joints(&rows)
+        };
+        return linear.iter().enumerate().map(|(i, &value)| (column(i), value)).collect();
+    }
+    let at = |(&joint, values): (&usize, &Vec<f64>)| {
+        let (linear, nonlinear) = values.split_at(linear);
+        let reach = effect.reach(motion, joint, nonlinear);
+        reach.into_iter().zip(linear.to_vec()).collect::<Vec<_>>()
+    };
+    injection.joints.iter().zip(&injection.values).flat_map(at).collect()
+}
+
+/// Fits `fit` with and without the effect and holds both against `check`.
+pub(super) fn compare(fit: &Side, check: &Side) -> Trial {
+    let with = fit.solve(fit.columns.ncols());
+    let without = fit.solve(fit.fitted);
+    let found = with.iter().skip(fit.fitted).zip(&fit.truth);
+    let errors = found.filter(|(_, t)| **t != 0.0).map(|(x, t)| ((x - t) / t).abs()).collect();
+    Trial {
+        left: check.left(&with),
+        left_without: check.left(&without),
+        errors,
+        rms_over_noise: fit.rms(),
+    }
+}
+
+impl Side {
+    /// Least squares over the first `count` columns; undetermined directions stay at zero.
+    fn solve(&self, count: usize) -> DVector<f64> {
+        let a = self.columns.columns(0, count);
+        let scale: Vec<f64> = a.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
+        let mut gram = a.tr_mul(&a);
+        let mut right = a.tr_mul(&self.y);
+        for i in 0..count {
+            right[i] /= scale[i];
+            for k in 0..count {
+                gram[(i, k)] /= scale[i] * scale[k];
+            }
+        }
+        let eigen = SymmetricEigen::new(gram);
+        let largest = eigen.eigenvalues.max();
+        let mut x = DVector::zeros(count);
+        for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+            if *value > RANK * largest {
+                x += vector * (vector.dot(&right) / value);
+            }
+        }
+        x.iter_mut().zip(scale).for_each(|(x, s)| *x /= s);
+        x
+    }
+
+    /// Chi-square per sample that `x` leaves.
+    fn left(&self, x: &DVector<f64>) -> f64 {
+        let residual = &self.y - self.columns.columns(0, x.len()) * x;
+        residual.norm_squared() / (self.passed * residual.len().max(1) as f64)
+    }
+
+    /// The effect's own torque over the noise, at the joint where it is largest.
+    fn rms(&self) -> f64 {
+        let own = self.columns.columns(self.fitted, self.truth.len())
+            * DVector::from_column_slice(&self.truth);
+        let of = |w: &[usize]| {
+            let rows = (w[1] - w[0]).max(1) as f64;
+            (own.rows(w[0], w[1] - w[0]).norm_squared() / rows).sqrt()
+        };
+        self.starts.windows(2).map(of).fold(0.0, f64::max)
+    }
+}
