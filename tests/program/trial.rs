@@ -130,6 +130,8 @@ fn cases_made_elsewhere_are_taken_and_unknown_effects_refused() {
         let to = from.join(format!("case-7/{theirs}.csv.gz"));
         fs::copy(own.join(format!("case-0000/{ours}.csv.gz")), to).unwrap();
     }
+    let again = trial(&["draw", "--from", text(&from), "--out", text(&own)]);
+    assert!(again.code == 1 && again.stderr.contains("holds a trial"), "{}", again.stderr);
     let label = |effect: &str| {
         let label = format!("{{\"effect\": \"{effect}\", \"joints\": [0]}}");
         fs::write(from.join("case-7/truth.json"), label).unwrap();

@@ -53,8 +53,9 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let out = &args.out;
-    if out.join("seals.json").exists() {
-        bail!("{} holds a trial already; name another folder or remove it", out.display());
+    if out.join("sealed").exists() {
+        let out = out.display();
+        bail!("{out} holds a trial or the rest of one; name another folder or remove it");
     }
     let mut how = Draw::new(args.cases, args.seed, args.nuisance);
     how.only.clone_from(&args.only);
