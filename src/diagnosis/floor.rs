@@ -1,11 +1,10 @@
 //! The noise floor: what recorded torque would differ by from a perfect twin's.
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::local_noise::{local_noise, quiet_times};
+use super::local_noise::{band_gain, impulse, local_noise, quiet_times};
 use super::repeats::cycle;
 use crate::robot::{Workspace, mass_matrix};
 use crate::series::JointSeries;
@@ -47,8 +46,6 @@ const QUIET: [f64; 2] = [0.5, 0.9];
 /// Of the motion's low-pass: where position holds more noise than motion. Below, the motion's own
 /// spectrum lies above the encoder's noise; the damping is made good.
 const PASSED: [f64; 2] = [1.0, 1.25];
-/// Samples of the responses to an impulse.
-const IMPULSE: usize = 2001;
 /// Poses the mass matrix is averaged over.
 const POSES: usize = 64;
 
@@ -129,30 +126,16 @@ fn from_velocity(samples: &Samples) -> bool {
 /// What unit white noise comes to, as variance, after `treat` and the torque filter: the sum of
 /// squares of the response to an impulse.
 pub(super) fn noise_gain(filter: Option<&LowPass>, treat: impl Fn(Vec<f64>) -> Vec<f64>) -> f64 {
-    let mut impulse = vec![0.0; IMPULSE];
-    impulse[IMPULSE / 2] = 1.0;
-    let mut response = treat(impulse);
+    let mut response = treat(impulse());
     filter.iter().for_each(|f| f.apply(&mut response));
     response.iter().map(|r| r * r).sum()
 }
 
-/// What conditioning leaves of unit noise in a band of the recorded position (or velocity): the
-/// geometric mean of its gain.
+/// What conditioning leaves of unit noise in a band of the recorded position (or velocity).
 fn damping(samples: &Samples, band_hz: &Range<f64>) -> f64 {
-    const FREQUENCIES: usize = 16;
-    let mut impulse = vec![0.0; IMPULSE];
-    impulse[IMPULSE / 2] = 1.0;
-    let response = conditioned(samples, impulse, 0);
-    let gain = |i: usize| {
-        let share = (i as f64 + 0.5) / FREQUENCIES as f64;
-        let hz = band_hz.start + share * (band_hz.end - band_hz.start);
-        let wave = |(k, h): (usize, &f64)| {
-            h * (TAU * hz * samples.dt * (k as f64 - (IMPULSE / 2) as f64)).cos()
-        };
-        response.iter().enumerate().map(wave).sum::<f64>().abs()
-    };
-    let mean = (0..FREQUENCIES).map(|i| gain(i).ln()).sum::<f64>() / FREQUENCIES as f64;
-    mean.exp().clamp(1e-3, 1.0)
+    let rate = samples.rate_hz();
+    let left = band_gain(&conditioned(samples, impulse(), 0), rate, band_hz);
+    (left / band_gain(&impulse(), rate, band_hz)).sqrt().clamp(1e-3, 1.0)
 }
 
 /// The position (or velocity) as conditioning smooths it, or with `order` 1 the acceleration that
@@ -203,6 +186,8 @@ fn rotor_inertia(twin: &Twin, joint: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, Normal};
