@@ -164,13 +164,15 @@ struct Outcome {
 }
 
 impl Study<'_> {
-    /// The weakest level that is told, looked for from where the effect is a tenth of the noise.
+    /// The weakest level that is told, looked for from where the effect is a tenth of the noise;
+    /// stronger than the scenario's where that is not told.
     fn weakest(&mut self, typical: &Outcome) -> Result<Option<Strength>, DetectabilityError> {
         if typical.rms_over_noise <= 0.0 {
             return Ok(None);
         }
         let guess = 2.0 * (LIKELY / typical.rms_over_noise).log2();
-        let mut level = (guess.round() as i32).clamp(WEAKEST, STRONGEST);
+        let weakest = if typical.told { WEAKEST } else { 1 };
+        let mut level = (guess.round() as i32).clamp(weakest, STRONGEST);
         let mut now = self.at(level)?;
         let first = now.told;
         let mut best = None;
@@ -180,7 +182,7 @@ impl Study<'_> {
             }
             level += if first { -1 } else { 1 };
             let decided = !first && best.is_some();
-            if decided || !(WEAKEST..=STRONGEST).contains(&level) {
+            if decided || !(weakest..=STRONGEST).contains(&level) {
                 break;
             }
             now = self.at(level)?;
@@ -262,6 +264,15 @@ mod tests {
         assert!(typical.parameter_error < 0.1, "{typical:?}");
         assert!(typical.left < 2.0 && typical.left_without > 20.0, "{typical:?}");
         assert!(found.cost_ms > 0.0);
+    }
+
+    /// The first joint has no inner neighbour: a column of zeros.
+    #[test]
+    fn a_neighbours_friction_is_found() {
+        let text = include_str!("../../../scenarios/effects/joint_coupling.toml");
+        let typical = measured("joint_coupling", text).typical.unwrap();
+        assert!(typical.parameter_error < 0.2, "{typical:?}");
+        assert!(typical.left < 2.0 && typical.left_without > 5.0, "{typical:?}");
     }
 
     #[test]

@@ -180,7 +180,8 @@ impl Side {
     /// Least squares over the first `count` columns; undetermined directions stay at zero.
     fn solve(&self, count: usize) -> DVector<f64> {
         let a = self.columns.columns(0, count);
-        let scale: Vec<f64> = a.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
+        let size = |norm: f64| if norm > 0.0 { norm } else { 1.0 };
+        let scale: Vec<f64> = a.column_iter().map(|c| size(c.norm())).collect();
         let mut gram = a.tr_mul(&a);
         let mut right = a.tr_mul(&self.y);
         for i in 0..count {
