@@ -29,7 +29,7 @@ pub fn values(fit: &Fit<'_, '_>) -> Vec<Vec<answer::Value>> {
     let mut priors = fit.model.priors();
     priors.resize(columns.len(), f64::INFINITY);
     let system = System::solve(columns, &fit.system.residual, weights, &priors);
-    let wide = normal_quantile(0.5 + 0.5 * LEVEL);
+    let wide = normal_quantile(1.0 - LEVEL);
     let cause = |i: usize| {
         let values = fit.values(i);
         let candidate = fit.model.causes[i].candidate;

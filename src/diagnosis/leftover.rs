@@ -12,34 +12,36 @@ use super::evidence::Evidence;
 
 /// Of the motion, Hz.
 const MOTION_HZ: f64 = 4.0;
-/// Of the Nyquist frequency: where nothing moves.
+/// Of the highest frequency that is left by filters: where nothing moves.
 const QUIET: [f64; 2] = [0.5, 0.9];
 /// Ratios up to which nothing systematic is claimed: encoder noise through the arm's inertia and
 /// small errors of a signature stay below it.
 pub const SYSTEMATIC: f64 = 2.0;
-/// Smallest ratio over the joints up to which a twin counts as exact: some joint is at its noise.
-const EXACT: f64 = 4.0;
+/// Up to this, in the motion's band and in all, the best joint counts as at its noise: the twin is
+/// exact then.
+const EXACT: f64 = 2.0;
 
 /// Power in the band of the motion over the level of the noise, joint by joint; 1 where a joint
 /// has no rows.
 pub fn in_motion_band(evidence: &Evidence<'_>, residual: &Blocks) -> Vec<f64> {
-    let decimation = evidence.samples.decimation();
-    let rate = evidence.samples.rate_hz() / decimation as f64;
-    residual.0.iter().map(|rows| ratio(rows, rate)).collect()
+    let rate = evidence.samples.rate_hz() / evidence.samples.decimation() as f64;
+    let cutoff = evidence.samples.conditioning.torque_cutoff_hz;
+    let top = if cutoff > 0.0 { cutoff.min(0.5 * rate) } else { 0.5 * rate };
+    residual.0.iter().map(|rows| ratio(rows, rate, top)).collect()
 }
 
-fn ratio(rows: &[f64], rate_hz: f64) -> f64 {
+/// `top_hz`: beyond it filters have taken the noise away.
+fn ratio(rows: &[f64], rate_hz: f64, top_hz: f64) -> f64 {
     let power = periodogram(rows);
     let per_hz = rows.len() as f64 / rate_hz;
-    let at = |hz: f64| ((hz * per_hz) as usize).clamp(1, power.len().max(1) - 1);
-    let quiet = [QUIET[0], QUIET[1]].map(|share| at(0.5 * share * rate_hz));
-    let (low, high) = (at(0.0)..at(MOTION_HZ), quiet[0]..quiet[1]);
-    if power.is_empty() || low.is_empty() || high.is_empty() {
-        return 1.0;
-    }
+    let at = |hz: f64| ((hz * per_hz) as usize).min(power.len());
+    let [from, to] = QUIET.map(|share| at(share * top_hz));
     let mean = |band: &[f64]| band.iter().sum::<f64>() / band.len() as f64;
-    let noise = mean(&power[high]);
-    if noise > 0.0 { mean(&power[low]) / noise } else { 1.0 }
+    let (Some(low), Some(quiet)) = (power.get(1..at(MOTION_HZ)), power.get(from..to)) else {
+        return 1.0;
+    };
+    let noise = mean(quiet);
+    if noise > 0.0 && !low.is_empty() { mean(low) / noise } else { 1.0 }
 }
 
 /// |FFT|^2 with a Hann window, frequencies 0 to half the rate.
@@ -57,19 +59,30 @@ fn periodogram(x: &[f64]) -> Vec<f64> {
 
 /// What the causes leave, in short.
 pub struct Remains {
-    /// Per joint, before and after the causes.
+    /// Power in the motion's band over the noise, per joint, before and after the causes.
     pub before: Vec<f64>,
     pub after: Vec<f64>,
+    /// Mean square over that of the noise, per joint, after the causes.
+    pub chi2_per_sample: Vec<f64>,
 }
 
 impl Remains {
     pub fn new(evidence: &Evidence<'_>, before: &Blocks, after: &Blocks) -> Self {
-        Self { before: in_motion_band(evidence, before), after: in_motion_band(evidence, after) }
+        let level = |(j, s): (usize, f64)| {
+            let n = evidence.rows[j].len().max(1) as f64;
+            s / n / evidence.sigma[j].powi(2).max(f64::MIN_POSITIVE)
+        };
+        Self {
+            before: in_motion_band(evidence, before),
+            after: in_motion_band(evidence, after),
+            chi2_per_sample: after.squares().into_iter().enumerate().map(level).collect(),
+        }
     }
 
     /// How far from its noise even the best joint is: 1 for an exact twin.
     pub fn inexactness(&self) -> f64 {
-        self.after.iter().copied().fold(f64::INFINITY, f64::min).max(1.0)
+        let each = self.after.iter().zip(&self.chi2_per_sample).map(|(a, c)| a.max(*c));
+        each.filter(|level| *level > 0.0).fold(f64::INFINITY, f64::min).max(1.0)
     }
 
     pub fn is_exact(&self) -> bool {
@@ -93,12 +106,7 @@ impl Remains {
 }
 
 /// For the answer: levels on the check recording and what they mean.
-pub fn leftover(evidence: &Evidence<'_>, after: &Blocks, remains: &Remains) -> Leftover {
-    let level = |(j, s): (usize, f64)| {
-        let n = evidence.rows[j].len().max(1) as f64;
-        s / n / evidence.sigma[j].powi(2).max(f64::MIN_POSITIVE)
-    };
-    let chi2_per_sample = after.squares().into_iter().enumerate().map(level).collect();
+pub fn leftover(remains: &Remains) -> Leftover {
     let worse: Vec<usize> =
         (0..remains.after.len()).filter(|&j| remains.after[j] > SYSTEMATIC).collect();
     let each = |j: &usize| format!("joint {} ({:.0} times)", j + 1, remains.after[*j]);
@@ -110,7 +118,7 @@ pub fn leftover(evidence: &Evidence<'_>, after: &Blocks, remains: &Remains) -> L
         ),
     };
     Leftover {
-        chi2_per_sample,
+        chi2_per_sample: remains.chi2_per_sample.clone(),
         in_motion_band: remains.after.clone(),
         systematic: !worse.is_empty(),
         says,
@@ -127,10 +135,10 @@ mod tests {
     fn white_noise_has_ratio_one_and_a_slow_wave_stands_out() {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(4);
         let noise: Vec<f64> = (0..6000).map(|_| StandardNormal.sample(&mut rng)).collect();
-        assert!((ratio(&noise, 125.0) - 1.0).abs() < 0.15, "{}", ratio(&noise, 125.0));
+        assert!((ratio(&noise, 125.0, 62.5) - 1.0).abs() < 0.15, "{}", ratio(&noise, 125.0, 62.5));
         // A fifth of the noise's power within 4 of 62.5 Hz: 1 + 0.2 * 62.5 / 4.
         let wave = |k: usize| 0.2f64.sqrt() * 2f64.sqrt() * (0.1 * k as f64).sin();
         let waved: Vec<f64> = noise.iter().enumerate().map(|(k, x)| x + wave(k)).collect();
-        assert!((ratio(&waved, 125.0) - 4.1).abs() < 0.5, "{}", ratio(&waved, 125.0));
+        assert!((ratio(&waved, 125.0, 62.5) - 4.1).abs() < 0.5, "{}", ratio(&waved, 125.0, 62.5));
     }
 }

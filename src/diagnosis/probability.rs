@@ -51,10 +51,18 @@ mod tests {
 
     #[test]
     fn an_exact_twin_doubts_what_leaves_much() {
-        let remains = |after: f64| Remains { before: vec![50.0, 1.0], after: vec![after, 1.0] };
+        let remains = |after: f64| Remains {
+            before: vec![50.0, 1.0],
+            after: vec![after, 1.0],
+            chi2_per_sample: vec![1.0; 2],
+        };
         assert!(of_unknown(&remains(1.0), &[0]) < 0.05);
         assert!(of_unknown(&remains(20.0), &[0]) > 0.95);
-        let inexact = Remains { before: vec![500.0, 90.0], after: vec![40.0, 40.0] };
+        let inexact = Remains {
+            before: vec![500.0, 90.0],
+            after: vec![40.0, 40.0],
+            chi2_per_sample: vec![30.0; 2],
+        };
         assert!(of_unknown(&inexact, &[0]) < 0.05);
     }
 }

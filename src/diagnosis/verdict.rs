@@ -22,6 +22,10 @@ const SCHEMA: &str = "armtwin.diagnosis/1";
 /// More than this for "unknown" and no cause is named.
 const ABSTAIN: f64 = 0.5;
 
+/// Causes at one joint from which on something unknown is likelier, and how likely it is then.
+const MOST_AT_A_JOINT: usize = 3;
+const CROWDED: f64 = 0.8;
+
 /// Everything an answer is made from.
 pub struct Findings<'a, 'e> {
     pub search: &'a Search<'a, 'e>,
@@ -49,6 +53,15 @@ impl<'a, 'e> Findings<'a, 'e> {
         (0..self.search.fit.joints()).filter(acts).collect()
     }
 
+    /// Do so many causes sit at one joint that they rather stand in for something unknown?
+    fn is_crowded(&self) -> bool {
+        let at = |j: usize| {
+            let here = |h: &&Hypothesis| h.trial.candidate.place == Place::Joint(j);
+            self.accepted().iter().filter(|h| here(h)).count()
+        };
+        (0..self.search.fit.joints()).any(|j| at(j) >= MOST_AT_A_JOINT)
+    }
+
     pub fn answer(&self) -> Diagnosis {
         let accepted = self.accepted();
         let last = accepted.last().map_or(&self.start.residual, |h| &h.residual);
@@ -56,12 +69,13 @@ impl<'a, 'e> Findings<'a, 'e> {
         let all: Vec<usize> = (0..self.search.fit.joints()).collect();
         let unknown = match accepted.is_empty() {
             true => probability::of_unknown(&remains, &all),
+            false if self.is_crowded() => CROWDED,
             false => probability::of_unknown(&remains, &self.touched()),
         };
         let named = !accepted.is_empty() && unknown <= ABSTAIN;
         let causes = if named { self.causes(unknown) } else { Vec::new() };
-        let left =
-            leftover(self.search.check, if named { last } else { &self.start.residual }, &remains);
+        let start = Remains::new(self.search.check, &self.start.residual, &self.start.residual);
+        let left = leftover(if named { &remains } else { &start });
         Diagnosis {
             schema: SCHEMA.into(),
             armtwin: env!("CARGO_PKG_VERSION").into(),
