@@ -6,6 +6,7 @@ mod candidate;
 mod columns;
 mod conditioning;
 mod evidence;
+mod experiment;
 mod floor;
 mod gap;
 mod intervals;

@@ -11,7 +11,7 @@ use super::select::{Hypothesis, Round, Search, State, acts_on, describe};
 use super::untestable::untestable;
 use super::{
     BeforeAfter, Cause, Diagnosis, Floor, Named, Ranked, Rejected, RoundEvidence, Scored, Settings,
-    Shrink, Verdict, gap, intervals, probability, torque_shrink,
+    Shrink, Verdict, experiment, gap, intervals, probability, torque_shrink,
 };
 use crate::effects::Role;
 use crate::series::JointSeries;
@@ -91,10 +91,25 @@ impl<'a, 'e> Findings<'a, 'e> {
             ),
             rejected: self.rejected(),
             leftover: left,
-            next_experiment: String::new(),
+            next_experiment: self.next_experiment(),
             rounds: self.evidence(),
             notes: self.notes(&remains, unknown),
             causes,
+        }
+    }
+
+    /// The best two of the first round that is not decided, or of the first.
+    fn next_experiment(&self) -> String {
+        let rivals = |round: &&Round<'a, 'e>| {
+            round.ranked.iter().filter(|h| h.at_bound.is_none()).take(2).count() == 2
+        };
+        let Some(round) = self.rounds.iter().find(rivals) else { return String::new() };
+        let mut best = round.ranked.iter().filter(|h| h.at_bound.is_none());
+        match (best.next(), best.next()) {
+            (Some(a), Some(b)) if a.score > 0.0 && b.score > 0.0 => {
+                experiment::next(self.search.check, &self.floor, [a, b], self.settings())
+            }
+            _ => String::new(),
         }
     }
 
