@@ -184,7 +184,7 @@ pub trait Effect: Sync {
     /// An effect of [`Scope::Link`] or [`Scope::Arm`] implements [`reach`](Effect::reach) instead:
     /// its columns are what of that falls on one joint.
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
-        if self.about().scope == Scope::Joint {
+        if self.about().scope == Scope::Joint || self.seen() != Seen::Columns {
             return Vec::new();
         }
         let all = self.reach(motion, joint, nonlinear);
