@@ -22,6 +22,25 @@ pub fn write_whole(
     Ok(())
 }
 
+/// As [`write_whole`], for writers that want a file: `fill` gets a new one beside `path`, which takes
+/// its place if all went well.
+pub fn replace_whole<E>(
+    path: &Path,
+    fill: impl FnOnce(&tempfile::NamedTempFile) -> Result<(), E>,
+) -> io::Result<Result<(), E>> {
+    let folder = match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p,
+        _ => Path::new("."),
+    };
+    let file = tempfile::NamedTempFile::new_in(folder)?;
+    if let Err(error) = fill(&file) {
+        return Ok(Err(error));
+    }
+    make_readable(file.as_file())?;
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(Ok(()))
+}
+
 /// Temporary files are private to their owner; results are not.
 #[cfg(unix)]
 fn make_readable(file: &std::fs::File) -> io::Result<()> {

@@ -72,7 +72,15 @@ fn rooms_only_look_upstream() {
 
 #[test]
 fn third_party_types_stay_at_their_edge() {
-    for (krate, room) in [("rapier3d_f64", "simulation"), ("rerun", "viewer"), ("clap", "cli")] {
+    for (krate, room) in [
+        ("rapier3d_f64", "simulation"),
+        ("rerun", "viewer"),
+        ("clap", "cli"),
+        ("mcap", "recording"),
+        ("rusqlite", "recording"),
+        ("arrow", "recording"),
+        ("parquet", "recording"),
+    ] {
         let (path_like, import) = (format!("{krate}::"), format!("use {krate}"));
         for (path, text) in sources("src") {
             let home = path.components().any(|c| c.as_os_str() == room);

@@ -11,17 +11,21 @@ use crate::recording::{self, Delimiter, WriteOptions};
 #[command(after_help = "Examples:
   armtwin convert Movement_No6 -o movement6.csv.gz
   armtwin convert log.csv --columns scenarios/columns/ur10e_shamilmamedov.toml -o rtde.csv
-  armtwin convert rtde.csv -o for_the_official_client.csv --delimiter blank")]
+  armtwin convert rtde.csv -o for_the_official_client.csv --delimiter blank
+  armtwin convert bag_folder --columns scenarios/columns/ros2_bag.toml -o run.parquet
+
+Read: RTDE CSV, any CSV by a column map, folders with one log per signal, ROS 2 bags (.mcap, .db3,
+folders of them), Parquet. Written: .csv, .csv.gz, .parquet, .mcap, .db3.")]
 pub struct Args {
-    /// File, or folder with one log per signal
+    /// File, bag, or folder with one log per signal
     recording: PathBuf,
-    /// File to write: .csv or .csv.gz
+    /// File to write: .csv, .csv.gz, .parquet, .mcap or .db3
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
-    /// Column map (TOML) of a CSV without RTDE names
+    /// Column map (TOML) of a CSV without RTDE names, or of a bag
     #[arg(long, value_name = "MAP")]
     columns: Option<PathBuf>,
-    /// Between the columns written
+    /// Between the columns of a CSV that is written
     #[arg(long, value_enum, default_value = "comma")]
     delimiter: Between,
 }

@@ -11,11 +11,12 @@ use crate::report::table;
 #[command(after_help = "Examples:
   armtwin inspect log.csv
   armtwin inspect Movement_No6 --json inspection.json
-  armtwin inspect log.csv --columns scenarios/columns/ur10e_shamilmamedov.toml")]
+  armtwin inspect log.csv --columns scenarios/columns/ur10e_shamilmamedov.toml
+  armtwin inspect rosbag2_folder")]
 pub struct Args {
-    /// File, or folder with one log per signal
+    /// File, bag, or folder with one log per signal
     recording: PathBuf,
-    /// Column map (TOML) of a CSV without RTDE names
+    /// Column map (TOML) of a CSV without RTDE names, or of a bag
     #[arg(long, value_name = "MAP")]
     columns: Option<PathBuf>,
     /// Write the findings as JSON too

@@ -9,7 +9,7 @@ use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::files::write_whole;
-use crate::recording::write_csv;
+use crate::recording::{self, WriteOptions};
 use crate::simulation::{Command, Experiment, Run, Scenario, Simulation, Truth};
 
 /// Simulate an arm with hidden effects: two recordings and the truth about them
@@ -17,7 +17,7 @@ use crate::simulation::{Command, Experiment, Run, Scenario, Simulation, Truth};
 #[command(after_help = "Example: armtwin simulate scenarios/ur5_friction.toml --out friction
 
 Writes friction/fit.csv and friction/check.csv (RTDE names, two different motions, the same hidden
-effects) and friction/truth.json (every effect and value, noise, settings, versions). The folder is
+effects; other formats by --format) and friction/truth.json (every effect and value, noise, settings, versions). The folder is
 made if need be; files of these three names in it are replaced, others left alone. Nothing is
 written before all of it is simulated. The same scenario and seed give the same bytes.")]
 pub struct Args {
@@ -29,9 +29,36 @@ pub struct Args {
     /// Seed of the sensors' noise, in place of the scenario's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+    /// Of the two recordings
+    #[arg(long, value_enum, default_value = "csv")]
+    format: Written,
     /// Length of both motions in seconds, in place of the scenario's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Written {
+    Csv,
+    #[value(name = "csv.gz")]
+    CsvGz,
+    Parquet,
+    /// ROS 2 bag
+    Mcap,
+    /// ROS 2 bag, SQLite
+    Db3,
+}
+
+impl Written {
+    fn extension(self) -> &'static str {
+        match self {
+            Written::Csv => "csv",
+            Written::CsvGz => "csv.gz",
+            Written::Parquet => "parquet",
+            Written::Mcap => "mcap",
+            Written::Db3 => "db3",
+        }
+    }
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -47,11 +74,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let made = scenario.work_out(&file)?;
     let [fit, check] = simulate(&made).with_context(|| file)?;
     let truth = Truth::new(&scenario, &made, &fit, &check);
-    write(&args.out, &fit, &check, &truth)
+    write_as(args.format, &args.out, &fit, &check, &truth)
         .with_context(|| format!("cannot write into {}", args.out.display()))?;
     let (fit, check) = (fit.recording.time.len(), check.recording.time.len());
     let out = args.out.display();
-    println!("{out}: fit.csv ({fit} samples), check.csv ({check} samples), truth.json");
+    let e = args.format.extension();
+    println!("{out}: fit.{e} ({fit} samples), check.{e} ({check} samples), truth.json");
     Ok(())
 }
 
@@ -87,9 +115,21 @@ fn stop_on_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
 }
 
 pub(super) fn write(out: &Path, fit: &Run, check: &Run, truth: &Truth<'_>) -> anyhow::Result<()> {
+    write_as(Written::Csv, out, fit, check, truth)
+}
+
+fn write_as(
+    format: Written,
+    out: &Path,
+    fit: &Run,
+    check: &Run,
+    truth: &Truth<'_>,
+) -> anyhow::Result<()> {
     fs::create_dir_all(out)?;
-    write_csv(&fit.recording, &out.join("fit.csv"))?;
-    write_csv(&check.recording, &out.join("check.csv"))?;
+    for (name, run) in [("fit", fit), ("check", check)] {
+        let file = out.join(format!("{name}.{}", format.extension()));
+        recording::write(&run.recording, &file, &WriteOptions::default())?;
+    }
     write_whole(&out.join("truth.json"), |file| {
         serde_json::to_writer_pretty(&mut *file, truth)?;
         writeln!(file)

@@ -13,6 +13,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::RecordingError;
+use super::bag::BagMap;
 use super::text::{Delimiter, Layout};
 
 /// What the columns of a foreign CSV are.
@@ -28,12 +29,16 @@ pub struct ColumnMap {
     pub decimal: Decimal,
     /// Columns every row must have; not checked if left out.
     pub file_columns: Option<usize>,
-    pub time: Column,
+    /// Needed for files with columns.
+    time: Option<Column>,
     /// Seconds per unit of the time column.
     #[serde(default = "one")]
     pub time_scale: f64,
     /// By RTDE stem; joint j becomes `stem_j`.
+    #[serde(default)]
     pub channels: BTreeMap<String, Channels>,
+    /// For ROS 2 bags, which have names instead of columns.
+    pub bag: Option<BagMap>,
     /// Where the map came from, for messages.
     #[serde(skip)]
     pub file: String,
@@ -71,7 +76,7 @@ pub struct Channels {
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged, expecting = "a number or a list with one number per column")]
-enum Scale {
+pub enum Scale {
     All(f64),
     Each(Vec<f64>),
 }
@@ -110,8 +115,35 @@ impl ColumnMap {
             wrong(format!("{} (keys are explained in scenarios/columns)", e.to_string().trim()))
         })?;
         map.file = file.into();
-        map.mapped()?;
+        match &map.bag {
+            Some(bag) => bag.check().map_err(wrong)?,
+            None => drop(map.time()?),
+        }
+        if map.bag.is_none() || map.time.is_some() {
+            map.mapped()?;
+        }
         Ok(map)
+    }
+
+    /// The time column.
+    ///
+    /// # Errors
+    /// If there is none: the map is for bags.
+    pub fn time(&self) -> Result<&Column, RecordingError> {
+        self.time.as_ref().ok_or_else(|| RecordingError::ColumnMap {
+            file: self.file.clone(),
+            what: "missing field `time`; name the time column (keys are explained in \
+                   scenarios/columns)"
+                .into(),
+        })
+    }
+
+    /// A column of the map, for messages.
+    pub fn describe(&self, column: &Column) -> String {
+        match column {
+            Column::Number(n) => format!("{n} (named in {})", self.file),
+            Column::Name(name) => format!("{name:?} (named in {})", self.file),
+        }
     }
 
     pub fn layout(&self) -> Layout {
@@ -139,7 +171,7 @@ impl ColumnMap {
         }
         for (stem, channels) in &self.channels {
             let columns = channels.columns().map_err(|e| wrong(format!("channels.{stem}: {e}")))?;
-            let scales = channels.scales(columns.len());
+            let scales = channels.scale.expand(columns.len());
             let scales = scales.map_err(|e| wrong(format!("channels.{stem}: {e}")))?;
             all.extend(
                 columns.into_iter().zip(scales).enumerate().map(|(j, (column, scale))| Mapped {
@@ -170,9 +202,12 @@ impl Channels {
         }
         Ok(columns)
     }
+}
 
-    fn scales(&self, count: usize) -> Result<Vec<f64>, String> {
-        let scales = match &self.scale {
+impl Scale {
+    /// `count` factors; says what is wrong with them.
+    pub fn expand(&self, count: usize) -> Result<Vec<f64>, String> {
+        let scales = match self {
             Scale::All(scale) => vec![*scale; count],
             Scale::Each(scales) if scales.len() == count => scales.clone(),
             Scale::Each(s) => return Err(format!("{} scales for {count} columns", s.len())),

@@ -66,6 +66,12 @@ pub enum RecordingError {
         other_joints: usize,
         column: String,
     },
+    /// Message counted from 1 on its topic.
+    #[error("{file}: message {message} of {topic}: {what}")]
+    Message { file: String, topic: String, message: usize, what: String },
+    /// A bag or another file that is no text.
+    #[error("{file}: {what}; {remedy}")]
+    Container { file: String, what: String, remedy: &'static str },
     #[error("{file}: {what}")]
     ColumnMap { file: String, what: String },
     #[error("{file}: a recording cannot be written under this extension; known are {known}")]

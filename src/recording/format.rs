@@ -3,7 +3,9 @@
 
 use std::path::Path;
 
-use super::{ColumnMap, Delimiter, Recording, RecordingError, movement_folder, rtde_csv};
+use super::{
+    ColumnMap, Delimiter, Recording, RecordingError, bag, movement_folder, parquet_file, rtde_csv,
+};
 
 /// Contract of a file format.
 pub trait Format: Sync {
@@ -27,7 +29,8 @@ pub trait Format: Sync {
 }
 
 /// Text is the last: it reads whatever is left.
-pub const FORMATS: &[&dyn Format] = &[&movement_folder::MovementFolder, &rtde_csv::RtdeCsv];
+pub const FORMATS: &[&dyn Format] =
+    &[&bag::RosBag, &parquet_file::Parquet, &movement_folder::MovementFolder, &rtde_csv::RtdeCsv];
 
 #[derive(Debug, Clone, Default)]
 pub struct WriteOptions {

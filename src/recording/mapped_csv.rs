@@ -15,7 +15,7 @@ pub fn read(path: &Path, map: &ColumnMap) -> Result<Recording, RecordingError> {
         return Err(RecordingError::Ragged { file, row, found, expected });
     }
     let mapped = map.mapped()?;
-    let time = locate(&map.time, &text, map)?;
+    let time = locate(map.time()?, &text, map)?;
     let columns: Vec<usize> =
         mapped.iter().map(|m| locate(&m.column, &text, map)).collect::<Result<_, _>>()?;
     let (wanted, slots) = distinct(time, &columns);
@@ -52,10 +52,7 @@ fn locate(column: &Column, text: &Text, map: &ColumnMap) -> Result<usize, Record
     };
     position.ok_or_else(|| RecordingError::MissingColumn {
         file: text.file.clone(),
-        column: match column {
-            Column::Number(n) => format!("{n} (named in {})", map.file),
-            Column::Name(name) => format!("{name:?} (named in {})", map.file),
-        },
+        column: map.describe(column),
         found: text.found_columns(),
         remedy: "correct the column map",
     })

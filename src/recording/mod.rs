@@ -1,6 +1,7 @@
 //! A recording: named SI columns on one time column, and where they came from.
 //! One file per format; every reader yields the same [`Recording`].
 
+mod bag;
 mod check;
 mod columns;
 mod error;
@@ -8,6 +9,7 @@ mod format;
 pub mod inspection;
 mod mapped_csv;
 mod movement_folder;
+mod parquet_file;
 mod rtde_csv;
 mod table;
 mod text;

@@ -63,7 +63,10 @@ fn torque(
         let remedy = "record the torque of every joint, or leave joint_torque_* out";
         return joints(recording, "joint_torque", dof, purpose, remedy);
     }
-    let remedy = "record motor currents, or joint_torque_* in N.m";
+    let remedy = match recording.channel("effort_0") {
+        Some(_) => "say in a column map what effort is: [bag] effort = \"current\" or \"torque\"",
+        None => "record motor currents, or joint_torque_* in N.m",
+    };
     let current = joints(recording, "actual_current", dof, purpose, remedy)?;
     let constants = drive.gear_ratio.len().min(drive.torque_constant.len());
     if constants < dof {

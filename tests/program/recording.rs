@@ -217,3 +217,42 @@ fn a_bad_column_map_or_output_name_is_refused() {
     assert_eq!(armtwin(&["inspect"]).code, 2);
     assert_eq!(armtwin(&["convert", text(&log), "-o", "x.csv", "--delimiter", "pipe"]).code, 2);
 }
+
+#[test]
+fn bags_and_parquet_hold_all_a_csv_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let original = write(folder.path(), "a.csv", csv(50));
+    let files = ["b.mcap", "c.db3", "d.parquet", "e.csv"].map(|n| folder.path().join(n));
+    let mut from = original.clone();
+    for to in &files {
+        let out = armtwin(&["convert", text(&from), "-o", text(to)]);
+        assert_eq!(out.code, 0, "{}", out.stderr);
+        assert!(out.stdout.contains("50 samples, 19 columns"), "{}", out.stdout);
+        from.clone_from(to);
+    }
+    let cells = |path: &Path| -> Vec<String> {
+        let all = std::fs::read_to_string(path).unwrap();
+        let mut cells: Vec<_> = all.split([',', '\n']).map(String::from).collect();
+        cells.sort_unstable();
+        cells
+    };
+    assert_eq!(cells(&original), cells(&files[3]));
+}
+
+#[test]
+fn inspect_finds_what_effort_is_and_refuses_a_cut_bag() {
+    let bags = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bags");
+    let out = armtwin(&["inspect", text(&bags.join("folder_mcap"))]);
+    assert_eq!(out.code, 0, "{}", out.stderr);
+    let words = out.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    for part in ["ROS 2 bag (folder), joint states of /joint_states", "effort", "gravity"] {
+        assert!(words.contains(part), "{part} not in\n{}", out.stdout);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let bytes = std::fs::read(bags.join("zstd.mcap")).unwrap();
+    let cut = write(folder.path(), "cut.mcap", &bytes[..bytes.len() - 2000]);
+    refused(folder.path(), &cut, &[], &["cut.mcap", "cut off after", "mcap recover"]);
+    let map = write(folder.path(), "map.toml", "[bag]\ntopic = '/arm'\n");
+    let whole = bags.join("zstd.mcap");
+    refused(folder.path(), &whole, &["--columns", text(&map)], &["topic \"/arm\"", "column map"]);
+}
