@@ -9,6 +9,7 @@ mod demo;
 mod detect;
 mod diagnose;
 mod effects;
+mod export;
 mod identify;
 mod inspect;
 mod motor;
@@ -40,6 +41,7 @@ enum Command {
     Detect(detect::Args),
     Diagnose(diagnose::Args),
     Effects(effects::Args),
+    Export(export::Args),
     Identify(identify::Args),
     Inspect(inspect::Args),
     Motor(motor::Args),
@@ -71,6 +73,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Detect(args) => detect::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Effects(args) => effects::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Motor(args) => motor::run(&args),

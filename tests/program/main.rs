@@ -5,6 +5,7 @@ mod demo;
 mod detect;
 mod diagnose;
 mod effects;
+mod export;
 mod identify;
 mod mcmc;
 mod motor;

@@ -127,7 +127,7 @@ impl<'m> Topics<'m> {
             match topic.content {
                 Content::Joints(joints) if joints.samples() > 0 => arms.push((topic.name, *joints)),
                 Content::Joints(joints) if topic.messages > 0 => strangers = Some(joints.strangers),
-                Content::Numbers(found) if found.columns.first().is_some() => numbers.push(found),
+                Content::Numbers(found) if !found.columns.is_empty() => numbers.push(found),
                 _ => {}
             }
         }

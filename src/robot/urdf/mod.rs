@@ -9,4 +9,4 @@ pub mod visual;
 mod write;
 
 pub use read::{read, read_file};
-pub use write::write;
+pub use write::{Additions, write, write_with};

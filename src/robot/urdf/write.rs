@@ -7,23 +7,52 @@ use nalgebra::{Matrix3, Vector3};
 use super::visual::{self, Cylinder, Shape};
 use crate::robot::{Body, Inertia, Joint, Limits, Placement, Robot};
 
+/// What a URDF may say besides the arm itself.
+#[derive(Debug, Clone, Default)]
+pub struct Additions {
+    /// Lines of a comment at the top.
+    pub head: Vec<String>,
+    /// Elements inside each joint.
+    pub joints: Vec<String>,
+    /// How the base stands in a link `world`.
+    pub base: Option<Placement>,
+    /// Elements after the flange, which they call [`Additions::TOOL`].
+    pub tool: String,
+}
+
+impl Additions {
+    pub const TOOL: &str = "{tool}";
+}
+
 /// URDF of any robot; numbers are printed so that reading them back gives the same bits. The root
 /// link `base` is the arm's base frame, `tool0` its flange.
 pub fn write(robot: &Robot) -> String {
+    let head = "Made by `armtwin urdf`; inertial frames have the axes of their links.";
+    write_with(robot, &Additions { head: vec![head.into()], ..Additions::default() })
+}
+
+/// The same with more in it.
+pub fn write_with(robot: &Robot, more: &Additions) -> String {
     let (base, tool) = (&free_name(robot, "base"), &free_name(robot, "tool0"));
     let mut text = String::from("<?xml version=\"1.0\"?>\n");
-    text += "<!-- Made by `armtwin urdf`; inertial frames have the axes of their links. -->\n";
+    let _ = writeln!(text, "<!-- {} -->", more.head.join("\n     "));
     let _ = writeln!(text, "<robot name=\"{}\">", escape(&robot.name));
+    if let Some(stands) = &more.base {
+        text += "  <link name=\"world\"/>\n";
+        text += &fixed("base_fixed_joint", stands, "world", base);
+    }
     text += &link(base, None, visual::base(robot));
     for (i, body) in robot.bodies.iter().enumerate() {
         let Shape { hub, tubes } = visual::body(robot, i);
         text += &link(&body.name, Some(&body.inertia), hub.into_iter().chain(tubes));
         let parent = body.parent.map_or(base, |p| &robot.bodies[p].name);
-        text += &joint(&body.joint, parent, body);
+        let inside = more.joints.get(i).map_or("", String::as_str);
+        text += &joint(&body.joint, parent, body, inside);
     }
     let _ = writeln!(text, "  <link name=\"{tool}\"/>");
     let last = robot.bodies.last().map_or(base, |b| &b.name);
-    text += &flange(&robot.flange, last, tool);
+    text += &fixed(&format!("{tool}_fixed_joint"), &robot.flange, last, tool);
+    text += &more.tool.replace(Additions::TOOL, tool);
     text + "</robot>\n"
 }
 
@@ -75,11 +104,11 @@ fn inertial(inertia: &Inertia) -> String {
     )
 }
 
-fn joint(joint: &Joint, parent: &str, body: &Body) -> String {
+fn joint(joint: &Joint, parent: &str, body: &Body, inside: &str) -> String {
     let continuous = joint.limits.upper.is_infinite();
     format!(
         "  <joint name=\"{}\" type=\"{}\">\n    {}\n    <parent link=\"{}\"/>\n    \
-         <child link=\"{}\"/>\n    <axis xyz=\"{}\"/>\n{}  </joint>\n",
+         <child link=\"{}\"/>\n    <axis xyz=\"{}\"/>\n{}{inside}  </joint>\n",
         escape(&joint.name),
         if continuous { "continuous" } else { "revolute" },
         origin(&joint.placement),
@@ -104,10 +133,10 @@ fn limit(l: &Limits) -> String {
     format!("    <limit {range}velocity=\"{}\" effort=\"{effort}\"/>\n", l.velocity)
 }
 
-fn flange(placement: &Placement, parent: &str, tool: &str) -> String {
+fn fixed(name: &str, placement: &Placement, parent: &str, child: &str) -> String {
     format!(
-        "  <joint name=\"{tool}_fixed_joint\" type=\"fixed\">\n    {}\n    \
-         <parent link=\"{}\"/>\n    <child link=\"{tool}\"/>\n  </joint>\n",
+        "  <joint name=\"{name}\" type=\"fixed\">\n    {}\n    \
+         <parent link=\"{}\"/>\n    <child link=\"{child}\"/>\n  </joint>\n",
         origin(placement),
         escape(parent)
     )

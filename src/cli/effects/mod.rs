@@ -1,5 +1,7 @@
 //! `armtwin effects [NAME]`: the catalogue.
 
+mod guide;
+
 use std::fmt::Write as _;
 
 use crate::effects::{About, CATALOGUE, Parameter, Role, Scope, Seen, find, names};
@@ -11,7 +13,8 @@ use crate::report::{paragraph, table};
 Examples:
   armtwin effects              all effects and their parameters
   armtwin effects stribeck     one effect: law, cause, remedy, source, how to write it in a file
-  armtwin effects --json       everything, for a program")]
+  armtwin effects --json       everything, for a program
+  armtwin effects --guide      the chapter of the user's guide, in Markdown")]
 pub struct Args {
     /// Show one effect in full
     #[arg(value_name = "NAME", value_parser = about)]
@@ -19,10 +22,17 @@ pub struct Args {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Print the user's guide to all effects
+    #[arg(long, conflicts_with_all = ["effect", "json"])]
+    guide: bool,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let all = || CATALOGUE.iter().map(|e| e.about());
+    if args.guide {
+        print!("{}", guide::chapter());
+        return Ok(());
+    }
     let text = match (args.effect, args.json) {
         (Some(about), true) => serde_json::to_string_pretty(about)?,
         (None, true) => serde_json::to_string_pretty(&all().collect::<Vec<_>>())?,

@@ -1,0 +1,216 @@
+//! A twin in the terms of a simulator: bodies, joint parameters, actuators; and what is left over.
+
+use std::fmt;
+
+use nalgebra::Vector3;
+
+use crate::effects::{About, Effect, Mechanism, Parameter, Role, Scope};
+use crate::robot::Robot;
+use crate::twin::Twin;
+
+pub struct Plan {
+    /// With corrected links and the tilt of its base, without payload.
+    pub robot: Robot,
+    /// Gravity before the tilt, m/s^2: what the world has.
+    pub level_gravity: Vector3<f64>,
+    pub payload: Option<Load>,
+    pub joints: Vec<JointPlan>,
+    /// What no simulator's file has an element for.
+    pub left: Vec<Left>,
+}
+
+/// A point mass at the flange.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    /// kg
+    pub mass: f64,
+    /// m, in the flange's frame
+    pub com: Vector3<f64>,
+}
+
+/// One joint; torques in N.m at the joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointPlan {
+    /// N.m
+    pub coulomb: f64,
+    /// N.m.s/rad
+    pub viscous: f64,
+    /// kg.m2
+    pub armature: f64,
+    /// N.m/rad, about the angle in rad
+    pub spring: f64,
+    pub rest: f64,
+    /// What the encoder shows where the joint is at zero, rad.
+    pub encoder_zero: f64,
+    /// N.m of the motor per A of recorded current.
+    pub gain: f64,
+    /// N.m that the current carries without the joint feeling it.
+    pub offset: f64,
+    /// Largest current, A, and torque, N.m; infinite without limit.
+    pub current_limit: f64,
+    pub torque_limit: f64,
+}
+
+/// Something of the twin that is not in a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Left {
+    pub effect: String,
+    /// From 0; empty for the whole arm.
+    pub joints: Vec<usize>,
+    /// "mass = 2 kg, ..."; empty where there is nothing to say.
+    pub values: String,
+    pub why: String,
+}
+
+impl fmt::Display for Left {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.effect)?;
+        let joints: Vec<String> = self.joints.iter().map(|j| (j + 1).to_string()).collect();
+        match joints.len() {
+            0 => {}
+            1 => write!(f, " at joint {}", joints[0])?,
+            _ => write!(f, " at joints {}", joints.join(", "))?,
+        }
+        if !self.values.is_empty() {
+            write!(f, " ({})", self.values)?;
+        }
+        write!(f, ": {}", self.why)
+    }
+}
+
+/// Effects with a place of their own in [`Plan`]; of all others the law is left over.
+const PLACED: &[&str] = &[
+    "coulomb",
+    "viscous",
+    "rotor_inertia",
+    "payload",
+    "link_inertia",
+    "base_tilt",
+    "encoder_offset",
+    "torque_constant",
+    "current_offset",
+    "torque_saturation",
+    "cable_spring",
+];
+
+impl Plan {
+    pub fn of(twin: &Twin) -> Self {
+        let mechanism = mechanism(twin);
+        let value = |name: &str, joint: usize| -> f64 {
+            let known = twin.known().any(|e| e.about().parameters.iter().any(|p| p.name == name));
+            let values = twin.values.get(name).filter(|_| known);
+            values.and_then(|v| v.get(joint)).copied().unwrap_or(0.0)
+        };
+        let joint = |j: usize| {
+            let gain = mechanism.torque_gain[j];
+            JointPlan {
+                coulomb: value("coulomb", j).max(0.0),
+                viscous: value("viscous", j).max(0.0),
+                armature: mechanism.armature[j],
+                spring: value("cable_stiffness", j),
+                rest: value("cable_rest_angle", j),
+                encoder_zero: mechanism.encoder_zero[j],
+                gain: twin.drive.torque_per_ampere(j) / gain,
+                offset: value("current_offset", j) / gain,
+                current_limit: twin.drive.current_limit.as_ref().map_or(f64::INFINITY, |l| l[j]),
+                torque_limit: twin.drive.largest_torque(j).min(mechanism.torque_limit[j]),
+            }
+        };
+        let mass = value("payload_mass", 0);
+        let moment = ["payload_moment_x", "payload_moment_y", "payload_moment_z"];
+        let moment = Vector3::from(moment.map(|name| value(name, 0)));
+        Self {
+            joints: (0..twin.robot.dof()).map(joint).collect(),
+            robot: mechanism.robot,
+            level_gravity: twin.robot.gravity,
+            payload: (mass > 0.0).then(|| Load { mass, com: moment / mass }),
+            left: left(twin),
+        }
+    }
+}
+
+/// The arm with what its effects build into it, but without payload.
+fn mechanism(twin: &Twin) -> Mechanism {
+    let dof = twin.robot.dof();
+    let replaced = twin.known().any(|e| e.about().name == "rotor_inertia");
+    let armature = if replaced { vec![0.0; dof] } else { twin.drive.rotor_inertia.clone() };
+    let mut mechanism = Mechanism::with_armature(twin.robot.clone(), armature);
+    for effect in twin.known().filter(|e| e.about().name != "payload") {
+        let joints = if effect.about().scope == Scope::Arm { 1 } else { dof };
+        for joint in 0..joints {
+            if let Some(values) = twin.values_at(effect, joint) {
+                effect.build(&values, joint, &mut mechanism);
+            }
+        }
+    }
+    mechanism
+}
+
+fn left(twin: &Twin) -> Vec<Left> {
+    let mut all: Vec<Left> = twin.open().map(open).collect();
+    for effect in twin.known() {
+        let about = effect.about();
+        let joints = acting(twin, effect);
+        if joints.is_empty() {
+            continue;
+        }
+        let of_arm = about.scope == Scope::Arm;
+        let entry = |values, why: &str| Left {
+            effect: about.name.into(),
+            joints: if of_arm { Vec::new() } else { joints.clone() },
+            values,
+            why: why.into(),
+        };
+        if !PLACED.contains(&about.name) {
+            let why = format!("no element for {}", about.law);
+            all.push(entry(values(twin, about, &joints, |_| true), &why));
+        } else if about.name == "cable_spring" && bends(twin) {
+            let hysteresis =
+                |p: &Parameter| p.name == "cable_hysteresis" || p.name.contains("slip");
+            let values = values(twin, about, &joints, hysteresis);
+            all.push(entry(values, "its hysteresis has no element, the spring is kept"));
+        }
+    }
+    all
+}
+
+fn bends(twin: &Twin) -> bool {
+    twin.values.get("cable_hysteresis").is_some_and(|h| h.iter().any(|h| *h != 0.0))
+}
+
+fn open(effect: &dyn Effect) -> Left {
+    Left {
+        effect: effect.about().name.into(),
+        joints: Vec::new(),
+        values: String::new(),
+        why: "the twin has no values for it; fit them (identify or diagnose)".into(),
+    }
+}
+
+/// Joints (from 0) at which an effect does something; `[0]` for one on the whole arm.
+fn acting(twin: &Twin, effect: &dyn Effect) -> Vec<usize> {
+    let about = effect.about();
+    let linear = about.parameters.iter().any(|p| p.role == Role::Linear);
+    let decides = |p: &Parameter| p.role == Role::Linear || (!linear && !p.null.is_nan());
+    let acts = |p: &Parameter, value: f64| match p.null.is_infinite() {
+        true => value < p.max,
+        false => decides(p) && value != p.null,
+    };
+    let count = if about.scope == Scope::Arm { 1 } else { twin.robot.dof() };
+    let at = |j: &usize| {
+        let values = twin.values_at(effect, *j).unwrap_or_default();
+        about.parameters.iter().zip(values).any(|(p, value)| acts(p, value))
+    };
+    (0..count).filter(at).collect()
+}
+
+fn values(twin: &Twin, about: &About, joints: &[usize], of: impl Fn(&Parameter) -> bool) -> String {
+    let shown = about.parameters.iter().filter(|p| !p.is_reference() && of(p));
+    let each = shown.filter_map(|p| {
+        let all = twin.values.get(p.name)?;
+        let here: Vec<String> =
+            joints.iter().filter_map(|j| all.get(*j)).map(|v| format!("{v:.4}")).collect();
+        Some(format!("{} = {} {}", p.name, here.join(", "), p.unit))
+    });
+    each.collect::<Vec<_>>().join("; ")
+}

@@ -1,0 +1,90 @@
+//! URDF: corrected links, payload and tilt as links, `<dynamics>` for friction; no drive.
+
+use super::plan::{JointPlan, Left, Load, Plan};
+use super::{number, numbers};
+use crate::robot::Placement;
+use crate::robot::urdf::{self, Additions};
+
+/// What of a [`Plan`] URDF has no element for.
+pub fn left(plan: &Plan) -> Vec<Left> {
+    type Value = fn(&JointPlan) -> f64;
+    let rows: [(&str, &str, &str, Value); 5] = [
+        ("rotor_inertia", "kg.m2", "URDF has no armature; give it to the simulator", |j| {
+            j.armature
+        }),
+        ("cable_spring", "N.m/rad", "URDF has no joint springs", |j| j.spring),
+        ("encoder_offset", "rad", "URDF has no joint zeros; add it to the angles shown", |j| {
+            j.encoder_zero
+        }),
+        (
+            "current_offset",
+            "N.m",
+            "URDF has no drive; subtract it from the torque commanded",
+            |j| j.offset,
+        ),
+        ("torque_constant", "N.m/A", "URDF has no drive; efforts are joint torques", |j| j.gain),
+    ];
+    let mut all = Vec::new();
+    for (effect, unit, why, value) in rows {
+        let joints: Vec<usize> =
+            (0..plan.joints.len()).filter(|j| value(&plan.joints[*j]) != 0.0).collect();
+        if joints.is_empty() {
+            continue;
+        }
+        let values: Vec<String> =
+            joints.iter().map(|j| format!("{:.4}", value(&plan.joints[*j]))).collect();
+        let values = format!("{} {unit}", values.join(", "));
+        all.push(Left { effect: effect.into(), joints, values, why: why.into() });
+    }
+    all
+}
+
+pub fn write(plan: &Plan, head: &[String]) -> String {
+    let mut robot = plan.robot.clone();
+    robot.gravity = plan.level_gravity;
+    for (body, joint) in robot.bodies.iter_mut().zip(&plan.joints) {
+        if joint.torque_limit.is_finite() {
+            body.joint.limits.effort = joint.torque_limit;
+        }
+    }
+    urdf::write_with(
+        &robot,
+        &Additions {
+            head: head.to_vec(),
+            joints: plan.joints.iter().map(dynamics).collect(),
+            base: tilt(plan),
+            tool: plan.payload.as_ref().map(payload).unwrap_or_default(),
+        },
+    )
+}
+
+fn dynamics(joint: &JointPlan) -> String {
+    if joint.viscous == 0.0 && joint.coulomb == 0.0 {
+        return String::new();
+    }
+    let (damping, friction) = (number(joint.viscous), number(joint.coulomb));
+    format!("    <dynamics damping=\"{damping}\" friction=\"{friction}\"/>\n")
+}
+
+/// How the base stands in a world whose gravity is the usual one.
+fn tilt(plan: &Plan) -> Option<Placement> {
+    let (seen, level) = (&plan.robot.gravity, &plan.level_gravity);
+    if seen == level {
+        return None;
+    }
+    let rotation = nalgebra::Rotation3::rotation_between(seen, level)?;
+    Some(Placement { rotation: *rotation.matrix(), ..Placement::identity() })
+}
+
+/// A point mass, bolted to the flange.
+fn payload(load: &Load) -> String {
+    format!(
+        "  <link name=\"payload\">\n    <inertial>\n      <origin xyz=\"{}\" rpy=\"0 0 0\"/>\n      \
+             <mass value=\"{}\"/>\n      <inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" \
+             izz=\"0\"/>\n    </inertial>\n  </link>\n  <joint name=\"payload_fixed_joint\" \
+             type=\"fixed\">\n    <parent link=\"{}\"/>\n    <child link=\"payload\"/>\n  </joint>\n",
+        numbers(&load.com),
+        number(load.mass),
+        Additions::TOOL,
+    )
+}
