@@ -17,6 +17,7 @@ mod progress;
 mod recovery;
 mod robots;
 mod simulate;
+mod study;
 mod trial;
 mod urdf;
 
@@ -48,6 +49,7 @@ enum Command {
     Recovery(recovery::Args),
     Robots(robots::Args),
     Simulate(simulate::Args),
+    Study(Box<study::Args>),
     Trial(trial::Args),
     Urdf(urdf::Args),
 }
@@ -80,6 +82,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Recovery(args) => recovery::run(&args),
         Command::Robots(args) => robots::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Study(args) => study::run(&args),
         Command::Trial(args) => trial::run(&args),
         Command::Urdf(args) => urdf::run(&args),
     }

@@ -35,6 +35,11 @@ impl Clean {
         Ok(Self { input, output, snr_db: excitation.snr_db })
     }
 
+    /// The same motion measured with other noise; infinite is none.
+    pub fn at(&self, snr_db: f64) -> Self {
+        Self { snr_db, ..self.clone() }
+    }
+
     fn with_noise(&self, seed: u64, stream: u64) -> Record {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);

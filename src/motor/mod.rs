@@ -10,6 +10,7 @@ pub mod input;
 pub mod model;
 pub mod output_error;
 pub mod paper;
+pub mod posterior;
 pub mod render;
 pub mod report;
 pub mod scenario;

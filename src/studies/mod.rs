@@ -1,4 +1,9 @@
 //! Long measurements over many seeds: simulate, identify, hold against the truth.
 
 pub mod detectability;
+mod error;
 pub mod recovery;
+mod strength;
+pub mod sweep;
+
+pub use error::StudyError;

@@ -8,26 +8,14 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::StudyError;
 use crate::identification::{
-    BoundsByName, Dropped, IdentificationError, Method, MethodResult, ParameterEstimate, Settings,
-    Terms, assemble, identify, reduce,
+    BoundsByName, Dropped, Method, MethodResult, ParameterEstimate, Settings, Terms, assemble,
+    identify, reduce,
 };
-use crate::signals::{Conditioning, SignalError, condition};
-use crate::simulation::SimulationError;
-use crate::simulation::{Experiment, Injection, Scenario, ScenarioError, Simulation};
+use crate::signals::{Conditioning, condition};
+use crate::simulation::{Experiment, Injection, Scenario, Simulation};
 use crate::twin::Twin;
-
-#[derive(Debug, thiserror::Error)]
-pub enum RecoveryError {
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    #[error(transparent)]
-    Simulation(#[from] SimulationError),
-    #[error(transparent)]
-    Signals(#[from] SignalError),
-    #[error(transparent)]
-    Identification(#[from] IdentificationError),
-}
 
 /// One parameter of one joint in one seed's recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -69,7 +57,7 @@ pub fn conditioning() -> Conditioning {
 ///
 /// # Errors
 /// If the scenario does not work out, the simulation diverges, or a fit fails.
-pub fn trial(scenario: &Scenario, file: &str, seed: u64) -> Result<Trial, RecoveryError> {
+pub fn trial(scenario: &Scenario, file: &str, seed: u64) -> Result<Trial, StudyError> {
     let mut scenario = scenario.clone();
     scenario.seed = seed;
     scenario.motion.seed = seed;

@@ -2,6 +2,7 @@
 
 mod compare;
 mod demo;
+mod deploy;
 mod detect;
 mod diagnose;
 mod effects;
@@ -14,6 +15,7 @@ mod recording;
 mod robots;
 mod round_trip;
 mod simulate;
+mod study;
 mod trial;
 
 use std::process::Command;

@@ -14,25 +14,12 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use super::StudyError;
+use super::strength::scaled;
 use crate::effects::{Effect, Role, Seen};
-use crate::identification::IdentificationError;
-use crate::signals::{Conditioning, SignalError};
-use crate::simulation::{Scenario, ScenarioError, SimulationError};
+use crate::signals::Conditioning;
+use crate::simulation::Scenario;
 use experiment::Bench;
-
-#[derive(Debug, thiserror::Error)]
-pub enum DetectabilityError {
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    #[error(transparent)]
-    Simulation(#[from] SimulationError),
-    #[error(transparent)]
-    Signals(#[from] SignalError),
-    #[error(transparent)]
-    Identification(#[from] IdentificationError),
-    #[error("the scenario has no table [effects.{0}]: it cannot be made weaker or stronger")]
-    Absent(String),
-}
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -130,7 +117,7 @@ pub fn detectability(
     scenario: &Scenario,
     file: &str,
     settings: &Settings,
-) -> Result<Detectability, DetectabilityError> {
+) -> Result<Detectability, StudyError> {
     let mut study = Study { effect, scenario, file, settings, cost_ms: f64::INFINITY };
     let seen = effect.seen();
     let by_torque = seen != Seen::Simulation;
@@ -166,7 +153,7 @@ struct Outcome {
 impl Study<'_> {
     /// The weakest level that is told, looked for from where the effect is a tenth of the noise;
     /// stronger than the scenario's where that is not told.
-    fn weakest(&mut self, typical: &Outcome) -> Result<Option<Strength>, DetectabilityError> {
+    fn weakest(&mut self, typical: &Outcome) -> Result<Option<Strength>, StudyError> {
         if typical.rms_over_noise <= 0.0 {
             return Ok(None);
         }
@@ -212,9 +199,11 @@ impl Study<'_> {
         }
     }
 
-    fn at(&mut self, level: i32) -> Result<Outcome, DetectabilityError> {
-        let made = experiment::scaled(self.effect, self.scenario, strength(level), self.settings)?
-            .work_out(self.file)?;
+    fn at(&mut self, level: i32) -> Result<Outcome, StudyError> {
+        let mut scenario = scaled(self.effect, self.scenario, strength(level))?;
+        scenario.shorten(self.settings.duration_s);
+        scenario.noise.snr_db = Some(self.settings.snr_db);
+        let made = scenario.work_out(self.file)?;
         let started = Instant::now();
         let bench = Bench::new(self.effect, &made)?;
         let simulated = 2.0 * self.settings.duration_s;

@@ -1,0 +1,209 @@
+//! `armtwin study`: grids of cells, on one machine or many.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, bail};
+use clap::Subcommand;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::files::write_whole;
+use crate::studies::StudyError;
+use crate::studies::sweep::{self, Page, Question, Ran, Shard, Store, Study, Table};
+
+/// Robustness over noise, seeds, effects, strengths, motions: resumable, on one machine or many
+#[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(after_help = "\
+Examples: armtwin study scenarios/studies/identification.toml --out identification
+          armtwin study scenarios/studies/identification.toml --out shard2 --shard 2/8
+          armtwin study merge shard1 shard2 --out identification
+          armtwin study report identification
+
+Every finished cell is kept in OUT/parts; a study that was killed goes on where it was when the
+same command is run again. When all cells are there: cells.parquet, timings.parquet, summary.md and
+the plots. See docs/studies/README.md.")]
+pub struct Args {
+    /// Question, arm, grids (TOML)
+    #[arg(required = true, value_name = "STUDY.toml")]
+    study: Option<PathBuf>,
+    /// Folder for the results
+    #[arg(long, required = true, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Only the K-th of N shares
+    #[arg(long, value_name = "K/N")]
+    shard: Option<Shard>,
+    /// Cells at a time [default: one per core]
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Only this cell (from 0), alone in this process
+    #[arg(long, value_name = "CELL", conflicts_with_all = ["shard", "jobs"])]
+    cell: Option<usize>,
+    #[command(subcommand)]
+    after: Option<After>,
+}
+
+#[derive(Subcommand)]
+enum After {
+    /// Join the shards of a study; the tables are those of a single run, byte by byte
+    #[command(after_help = "Example: armtwin study merge shard1 shard2 --out whole")]
+    Merge {
+        /// Folders of all shards
+        #[arg(required = true, value_name = "DIR")]
+        dirs: Vec<PathBuf>,
+        /// Folder for the joined results
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// Draw the plots and write the summary of a finished study again
+    #[command(after_help = "Example: armtwin study report identification")]
+    Report {
+        /// Folder of a finished study
+        #[arg(value_name = "DIR")]
+        dir: PathBuf,
+    },
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    match (&args.after, &args.study, &args.out) {
+        (Some(After::Merge { dirs, out }), ..) => {
+            let (study, tables) = sweep::merge(dirs, out)?;
+            report(out, &study, &tables)
+        }
+        (Some(After::Report { dir }), ..) => {
+            let (study, tables) = sweep::tables(dir)?;
+            report(dir, &study, &tables)
+        }
+        (None, Some(file), Some(out)) => cells(args, file, out),
+        _ => bail!("give a study and --out, or merge, or report"),
+    }
+}
+
+fn cells(args: &Args, file: &Path, out: &Path) -> anyhow::Result<()> {
+    let study = Study::load(file)?;
+    let text = fs::read_to_string(file).with_context(|| file.display().to_string())?;
+    if let Some(number) = args.cell {
+        return alone(&study, &text, number, out);
+    }
+    let store = Store::open(out, &study, &text)?;
+    let finished = store.finished()?;
+    let mine = args.shard.unwrap_or(Shard { number: 1, of: 1 }).blocks(&study);
+    let mine_count: usize = mine.iter().map(Vec::len).sum();
+    let open = |block: Vec<usize>| -> Vec<usize> {
+        block.into_iter().filter(|n| !finished.contains_key(n)).collect()
+    };
+    let todo: Vec<Vec<usize>> = mine.into_iter().map(open).filter(|b| !b.is_empty()).collect();
+    let left: usize = todo.iter().map(Vec::len).sum();
+    if !finished.is_empty() {
+        println!("{}: {} of {mine_count} cells are there", out.display(), mine_count - left);
+    }
+    let ran = work(args, &study, &store, &todo, left)?;
+    println!("{}", speed(&ran));
+    let tables = store.join()?;
+    match finished.len() + ran.cells == study.cells() {
+        true => report(out, &study, &tables),
+        false => {
+            println!("{}: this shard is done; join all with `armtwin study merge`", out.display());
+            Ok(())
+        }
+    }
+}
+
+fn work(
+    args: &Args,
+    study: &Study,
+    store: &Store,
+    todo: &[Vec<usize>],
+    left: usize,
+) -> anyhow::Result<Ran> {
+    let bar = progress(left);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let workers = args.jobs.unwrap_or(cores);
+    let file = store.study_file();
+    let process = |number: usize| in_process(&file, number);
+    // Only a process of its own tells what a cell needs in memory.
+    let process: Option<sweep::Alone<'_>> =
+        if study.question == Question::Cost { Some(&process) } else { None };
+    let ran = sweep::run(study, store, todo, workers, process, &|| bar.inc(1));
+    bar.finish_and_clear();
+    let kept = || format!("stopped; {} finished cells are kept", bar.position());
+    ran.with_context(kept)
+}
+
+/// `armtwin study STUDY --cell N` in the folder of `file`.
+fn in_process(file: &Path, number: usize) -> Result<(), StudyError> {
+    let wrong = |why: String| StudyError::Table(format!("cell {number}: {why}"));
+    let program = std::env::current_exe().map_err(|e| wrong(e.to_string()))?;
+    let out = file.parent().unwrap_or(Path::new("."));
+    let done = Command::new(program)
+        .arg("study")
+        .arg(file)
+        .arg("--out")
+        .arg(out)
+        .args(["--cell", &number.to_string()])
+        .env("RAYON_NUM_THREADS", "1")
+        .stdout(Stdio::null())
+        .output()
+        .map_err(|e| wrong(e.to_string()))?;
+    match done.status.success() {
+        true => Ok(()),
+        false => Err(wrong(String::from_utf8_lossy(&done.stderr).trim().to_string())),
+    }
+}
+
+fn alone(study: &Study, text: &str, number: usize, out: &Path) -> anyhow::Result<()> {
+    if number >= study.cells() {
+        bail!("--cell {number}: the study has cells 0 to {}", study.cells() - 1);
+    }
+    let store = Store::shared(out, study, text)?;
+    let mut part = sweep::cell(study, number)?;
+    part.spent.peak_bytes = peak_bytes();
+    store.keep(number, &part)?;
+    Ok(())
+}
+
+/// Largest resident set of this process; 0 where the system does not say.
+fn peak_bytes() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|l| l.split_whitespace().next()).and_then(|n| n.parse::<u64>().ok());
+    1024 * kib.unwrap_or(0)
+}
+
+fn report(out: &Path, study: &Study, [cells, timings]: &[Table; 2]) -> anyhow::Result<()> {
+    let Page { text, figures } = sweep::summarise(study, cells, timings)?;
+    for (name, svg) in &figures {
+        write(&out.join(name), svg)?;
+    }
+    write(&out.join("summary.md"), &text)?;
+    let names: Vec<&str> = figures.iter().map(|(name, _)| name.as_str()).collect();
+    println!("{}: summary.md, {}", out.display(), names.join(", "));
+    Ok(())
+}
+
+fn speed(ran: &Ran) -> String {
+    if ran.cells == 0 {
+        return "nothing was left to do".into();
+    }
+    format!(
+        "{} cells in {:.1} s: {:.0} cells per hour, {:.1} simulated seconds per second ({:.0} \
+         steps per second)",
+        ran.cells,
+        ran.seconds,
+        3600.0 * ran.cells as f64 / ran.seconds,
+        ran.simulated_seconds / ran.seconds,
+        ran.steps as f64 / ran.seconds
+    )
+}
+
+fn progress(cells: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("cell {pos} of {len} {wide_bar} {eta} left");
+    ProgressBar::new(cells as u64)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    write_whole(path, |out| out.write_all(text.as_bytes()))
+        .with_context(|| format!("cannot write {}", path.display()))
+}

@@ -1,0 +1,190 @@
+//! How time and memory grow along every axis that is varied.
+
+use std::collections::BTreeMap;
+
+use super::seen::in_order;
+use super::{Page, distinct, quantile};
+use crate::report::markdown_table;
+use crate::studies::StudyError;
+use crate::studies::sweep::chart::{Line, Panel, Scale, digits, draw};
+use crate::studies::sweep::study::Study;
+use crate::studies::sweep::table::Table;
+
+/// Of one cell.
+struct Cost {
+    method: String,
+    axis: BTreeMap<&'static str, f64>,
+    seconds: f64,
+    megabytes: f64,
+}
+
+/// One method along one axis: (x, seconds, megabytes), medians over seeds.
+struct Growth {
+    axis: &'static str,
+    grid: usize,
+    method: String,
+    points: Vec<(f64, f64, f64)>,
+}
+
+/// # Errors
+/// If a plot cannot be drawn.
+pub fn page(study: &Study, cells: &Table, timings: &Table) -> Result<Page, StudyError> {
+    let costs = costs(cells, timings);
+    let mut growths = Vec::new();
+    let mut before = 0;
+    for (number, grid) in study.grid.iter().enumerate() {
+        let here: Vec<&Cost> =
+            (before..before + grid.cells()).filter_map(|n| costs.get(&n)).collect();
+        before += grid.cells();
+        let varied = [
+            ("samples", grid.duration_s.len() > 1 || grid.rate_hz.len() > 1),
+            ("joints", grid.joints.len() > 1),
+            ("effects", grid.terms.len() > 1),
+            ("particles", grid.particles.len() > 1),
+        ];
+        for (axis, _) in varied.into_iter().filter(|v| v.1) {
+            growths.extend(along(axis, number, &here));
+        }
+    }
+    let says: String = growths.iter().map(|g| format!("* {}\n", g.in_words())).collect();
+    let rows: Vec<Vec<String>> = growths.iter().map(Growth::row).collect();
+    let header = [
+        "method",
+        "over",
+        "from",
+        "to",
+        "s, first",
+        "s, last",
+        "exponent",
+        "MB, first",
+        "MB, last",
+    ];
+    let figures = vec![
+        ("time.svg".to_string(), draw(&panels(&growths, "s", |p| p.1), 3)?),
+        ("memory.svg".to_string(), draw(&panels(&growths, "MB", |p| p.2), 3)?),
+    ];
+    let text = format!(
+        "{says}\nTime is processor time of the method's own work, median over seeds; memory is the \
+         largest resident set of a process that simulates the recordings and then does it. The \
+         exponent is the slope of log time over log x.\n\n{}\n![Time](time.svg)\n\n\
+         ![Memory](memory.svg)\n",
+        markdown_table(&header, 2, &rows)
+    );
+    Ok(Page { text, figures })
+}
+
+/// By cell.
+fn costs(cells: &Table, timings: &Table) -> BTreeMap<usize, Cost> {
+    let spent: BTreeMap<u64, usize> =
+        timings.wholes("cell").iter().enumerate().map(|(i, cell)| (*cell, i)).collect();
+    let whole = |name: &str, i: usize| cells.wholes(name).get(i).map_or(f64::NAN, |n| *n as f64);
+    let time = |name: &str, at: usize| timings.numbers(name).get(at).copied().unwrap_or(f64::NAN);
+    let row = |i: usize| {
+        let cell = cells.wholes("cell")[i];
+        let at = *spent.get(&cell)?;
+        let method = cells.texts("method")[i].clone();
+        let seconds =
+            time(if method == "simulation" { "simulating_seconds" } else { "seconds" }, at);
+        let axis = BTreeMap::from([
+            ("samples", whole("samples", i)),
+            ("joints", whole("joints", i)),
+            ("effects", whole("terms", i)),
+            ("particles", whole("particles", i)),
+        ]);
+        let megabytes = timings.wholes("peak_bytes").get(at).map_or(f64::NAN, |b| *b as f64 / 1e6);
+        Some((cell as usize, Cost { method, axis, seconds, megabytes }))
+    };
+    let whole = (0..cells.rows()).filter(|i| cells.texts("failed")[*i].is_empty());
+    whole.filter_map(row).collect()
+}
+
+fn along(axis: &'static str, grid: usize, costs: &[&Cost]) -> Vec<Growth> {
+    let growth = |method: &str| {
+        let ours = || costs.iter().filter(|c| c.method == method);
+        let point = |x: f64| {
+            let here: Vec<&&Cost> = ours().filter(|c| c.axis[axis] == x).collect();
+            let middle = |of: fn(&Cost) -> f64| {
+                quantile(&here.iter().map(|c| of(c)).collect::<Vec<_>>(), 0.5)
+            };
+            (x, middle(|c| c.seconds), middle(|c| c.megabytes))
+        };
+        let points = distinct(ours().map(|c| c.axis[axis])).into_iter().map(point).collect();
+        Growth { axis, grid, method: method.into(), points }
+    };
+    in_order(costs.iter().map(|c| c.method.as_str())).into_iter().map(growth).collect()
+}
+
+impl Growth {
+    /// Slope of ln time over ln x.
+    fn exponent(&self) -> f64 {
+        let logs: Vec<(f64, f64)> = self.points.iter().map(|p| (p.0.ln(), p.1.ln())).collect();
+        let n = logs.len() as f64;
+        let (mx, my) =
+            (logs.iter().map(|l| l.0).sum::<f64>() / n, logs.iter().map(|l| l.1).sum::<f64>() / n);
+        let above: f64 = logs.iter().map(|l| (l.0 - mx) * (l.1 - my)).sum();
+        above / logs.iter().map(|l| (l.0 - mx).powi(2)).sum::<f64>()
+    }
+
+    fn ends(&self) -> [(f64, f64, f64); 2] {
+        let nothing = (f64::NAN, f64::NAN, f64::NAN);
+        [self.points.first(), self.points.last()].map(|p| p.copied().unwrap_or(nothing))
+    }
+
+    fn row(&self) -> Vec<String> {
+        let [first, last] = self.ends();
+        let numbers = [first.0, last.0, first.1, last.1];
+        let mut row = vec![self.method.clone(), self.axis.to_string()];
+        row.extend(numbers.map(digits));
+        row.push(format!("{:.2}", self.exponent()));
+        row.extend([first.2, last.2].map(|mb| format!("{mb:.0}")));
+        row
+    }
+
+    fn in_words(&self) -> String {
+        let [first, last] = self.ends();
+        let exponent = self.exponent();
+        let how = match exponent {
+            e if e < 0.25 => "hardly grows with",
+            e if e < 0.8 => "grows more slowly than",
+            e if e < 1.25 => "grows in proportion to",
+            _ => "grows faster than",
+        };
+        format!(
+            "**{}** {how} {}: {} s at {}, {} s at {} (exponent {exponent:.2}); memory {:.0} to {:.0} MB.",
+            self.method,
+            self.axis,
+            digits(first.1),
+            digits(first.0),
+            digits(last.1),
+            digits(last.0),
+            first.2,
+            last.2
+        )
+    }
+}
+
+/// One per axis and grid.
+fn panels(growths: &[Growth], up: &'static str, of: fn(&(f64, f64, f64)) -> f64) -> Vec<Panel> {
+    let mut panels: Vec<(usize, Panel)> = Vec::new();
+    for growth in growths {
+        let points = growth.points.iter().map(|p| (p.0, of(p))).collect();
+        let line = Line { label: growth.method.clone(), points, band: Vec::new() };
+        let key = |(grid, panel): &&mut (usize, Panel)| {
+            *grid == growth.grid && panel.across.0 == growth.axis
+        };
+        match panels.iter_mut().find(key) {
+            Some((_, panel)) => panel.lines.push(line),
+            None => panels.push((
+                growth.grid,
+                Panel {
+                    title: format!("over {}", growth.axis),
+                    across: (growth.axis, Scale::Log),
+                    up: (up, Scale::Log),
+                    lines: vec![line],
+                    nominal: Vec::new(),
+                },
+            )),
+        }
+    }
+    panels.into_iter().map(|(_, panel)| panel).collect()
+}

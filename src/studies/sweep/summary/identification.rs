@@ -1,0 +1,65 @@
+//! Identification: errors, coverage, detection, for the arm and for the motor.
+
+use super::seen::{Seen, in_order, seen};
+use super::{Page, coverage, detection, distinct, errors};
+use crate::studies::StudyError;
+use crate::studies::sweep::table::Table;
+
+/// One system's rows.
+pub struct Part<'a> {
+    pub rows: Vec<&'a Seen>,
+    /// Rising; infinite is no noise.
+    pub snrs: Vec<f64>,
+    pub methods: Vec<&'a str>,
+}
+
+impl<'a> Part<'a> {
+    /// The method whose errors and tests stand in the tables.
+    pub fn main(&self) -> &'a str {
+        let nlse = self.methods.iter().find(|m| **m == "nlse");
+        nlse.or(self.methods.first()).copied().unwrap_or_default()
+    }
+
+    pub fn of<'b>(&'b self, method: &'b str) -> impl Iterator<Item = &'a Seen> + 'b {
+        self.rows.iter().copied().filter(move |r| r.method == method)
+    }
+}
+
+/// # Errors
+/// If a plot cannot be drawn.
+pub fn page(cells: &Table) -> Result<Page, StudyError> {
+    let all = seen(cells);
+    let mut page = Page { text: String::new(), figures: Vec::new() };
+    for system in in_order(all.iter().map(|r| r.system.as_str())) {
+        let rows: Vec<&Seen> = all.iter().filter(|r| r.system == system).collect();
+        let part = Part {
+            snrs: distinct(rows.iter().map(|r| r.snr_db)),
+            methods: in_order(rows.iter().map(|r| r.method.as_str())),
+            rows,
+        };
+        let name = if system == "arm" { "The arm" } else { "The motor" };
+        page.text += &format!("## {name}\n\n");
+        let chapters =
+            [errors::chapter(&part)?, coverage::chapter(&part)?, detection::chapter(&part)?];
+        page.text += &chapters.iter().map(|c| format!("* {}\n", c.says)).collect::<String>();
+        for chapter in chapters {
+            let file = format!("{}_{system}.svg", chapter.name);
+            page.text += &format!("\n{}\n![{}]({file})\n", chapter.text, chapter.caption);
+            page.figures.push((file, chapter.svg));
+        }
+        page.text.push('\n');
+    }
+    Ok(page)
+}
+
+/// What one aspect comes to.
+pub struct Chapter {
+    /// Of the figure's file.
+    pub name: &'static str,
+    /// The conclusion, in words.
+    pub says: String,
+    /// Headline and tables.
+    pub text: String,
+    pub caption: String,
+    pub svg: String,
+}
