@@ -126,8 +126,9 @@ fn work(
     let process: Option<sweep::Alone<'_>> =
         if study.question == Question::Cost { Some(&process) } else { None };
     let ran = sweep::run(study, store, todo, workers, process, &|| bar.inc(1));
+    let made = bar.position();
     bar.finish_and_clear();
-    let kept = || format!("stopped; {} finished cells are kept", bar.position());
+    let kept = || format!("stopped; the {made} cells finished now and those before are kept");
     ran.with_context(kept)
 }
 

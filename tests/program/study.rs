@@ -145,22 +145,28 @@ fn a_killed_study_goes_on_and_ends_the_same() {
     let [whole, killed] = ["whole", "killed"].map(|n| folder.path().join(n));
     done(&file, &whole, &[]);
     let mut kept = 0;
-    // Times that share no factor with those of the cells.
-    for moment in [37u64, 211, 97, 431, 163, 313, 59, 271] {
+    // Some time after a cell was kept: in the middle of others, or as they are written.
+    for moment in [0, 41, 7, 97] {
         let mut program = Command::new(env!("CARGO_BIN_EXE_armtwin"))
-            .args(["study", text(&file), "--out", text(&killed)])
+            .args(["study", text(&file), "--out", text(&killed), "--jobs", "1"])
             .stdout(Stdio::null())
             .spawn()
             .unwrap();
+        while parts(&killed).len() == kept && program.try_wait().unwrap().is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
         std::thread::sleep(Duration::from_millis(moment));
         program.kill().unwrap();
         program.wait().unwrap();
         let now = parts(&killed).len();
-        assert!(now >= kept, "{now} cells are kept where {kept} were");
+        assert!(now > kept, "{now} cells are kept where {kept} were");
         kept = now;
+        if kept > 9 {
+            break;
+        }
     }
     let said = done(&file, &killed, &[]);
-    assert!(kept == 0 || said.contains(&format!("{kept} of 12 cells are there")), "{kept}: {said}");
+    assert!(said.contains(&format!("{kept} of 12 cells are there")), "{kept}: {said}");
     assert_eq!(results(&whole, ""), results(&killed, ""));
     assert!(done(&file, &killed, &[]).contains("nothing was left to do"));
 }

@@ -8,6 +8,7 @@ use crate::studies::StudyError;
 
 const PANEL: (u32, u32) = (400, 260);
 const LEGEND_HEIGHT: u32 = 26;
+const MARGIN: u32 = 14;
 const COLOURS: [RGBColor; 8] = [
     RGBColor(31, 119, 180),
     RGBColor(214, 90, 20),
@@ -62,19 +63,22 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub fn draw(panels: &[Panel], columns: usize) -> Result<String, StudyError> {
     let rows = panels.len().div_ceil(columns).max(1);
     let columns = columns.min(panels.len()).max(1);
-    let size = (PANEL.0 * columns as u32, PANEL.1 * rows as u32 + LEGEND_HEIGHT);
+    let width = PANEL.0 * columns as u32;
     let mut labels: Vec<&str> = Vec::new();
     for label in panels.iter().flat_map(|p| &p.lines).map(|l| l.label.as_str()) {
         if !labels.contains(&label) {
             labels.push(label);
         }
     }
+    let places = placed(&labels, width);
+    let top = LEGEND_HEIGHT * places.last().map_or(1, |p| p.1 + 1);
+    let size = (width, PANEL.1 * rows as u32 + top);
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         root.fill(&WHITE).map_err(failed)?;
-        let (top, below) = root.split_vertically(LEGEND_HEIGHT);
-        legend(&top, &labels)?;
+        let (top, below) = root.split_vertically(top);
+        legend(&top, &labels, &places)?;
         for (panel, area) in panels.iter().zip(below.split_evenly((rows, columns))) {
             panel.draw(&area, &labels)?;
         }
@@ -83,16 +87,29 @@ pub fn draw(panels: &[Panel], columns: usize) -> Result<String, StudyError> {
     Ok(svg)
 }
 
-fn legend(area: &Area<'_>, labels: &[&str]) -> Result<(), StudyError> {
-    let mut x = 14;
-    for (k, label) in labels.iter().enumerate() {
-        let colour = colour(k);
-        let stroke = vec![(x, 14), (x + 18, 14)];
-        area.draw(&PathElement::new(stroke, colour.stroke_width(3))).map_err(failed)?;
+/// Where labels begin: pixels from the left, and row; broken like words.
+fn placed(labels: &[&str], width: u32) -> Vec<(u32, u32)> {
+    let (mut x, mut row) = (MARGIN, 0);
+    let mut places = Vec::new();
+    for label in labels {
+        let needed = 46 + 7 * label.chars().count() as u32;
+        if x + needed > width && x > MARGIN {
+            (x, row) = (MARGIN, row + 1);
+        }
+        places.push((x, row));
+        x += needed;
+    }
+    places
+}
+
+fn legend(area: &Area<'_>, labels: &[&str], places: &[(u32, u32)]) -> Result<(), StudyError> {
+    for (k, (label, (x, row))) in labels.iter().zip(places).enumerate() {
+        let (x, y) = (*x as i32, (row * LEGEND_HEIGHT + LEGEND_HEIGHT / 2) as i32);
+        let stroke = vec![(x, y), (x + 18, y)];
+        area.draw(&PathElement::new(stroke, colour(k).stroke_width(3))).map_err(failed)?;
         let place = Pos::new(HPos::Left, VPos::Center);
         let style = ("sans-serif", 13).into_text_style(area).pos(place);
-        area.draw_text(label, &style, (x + 23, 14)).map_err(failed)?;
-        x += 46 + 7 * label.chars().count() as i32;
+        area.draw_text(label, &style, (x + 23, y)).map_err(failed)?;
     }
     Ok(())
 }
@@ -113,11 +130,17 @@ impl Scale {
 
     fn text(self, x: f64, none: f64) -> String {
         match self {
-            Self::Log => digits(10f64.powf(x)),
+            Self::Log => digits(rounded(10f64.powf(x))),
             Self::Decibel if (x - none).abs() < 1e-6 => "none".into(),
             _ => digits(x),
         }
     }
+}
+
+/// To two significant digits.
+fn rounded(x: f64) -> f64 {
+    let unit = 10f64.powf(x.abs().log10().floor() - 1.0);
+    (x / unit).round() * unit
 }
 
 /// Three significant digits without trailing zeros.
