@@ -15,7 +15,7 @@ mod diagnosis;
 mod grid;
 mod identification;
 mod motor;
-mod parquet;
+mod parquet_file;
 mod run;
 mod stopwatch;
 mod store;

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use super::alone::{Part, Spent};
-use super::parquet;
+use super::parquet_file;
 use super::study::Study;
 use super::table::{Row, Table, Value};
 use crate::files::write_whole;
@@ -105,7 +105,7 @@ impl Store {
     pub fn keep(&self, number: usize, part: &Part) -> Result<(), StudyError> {
         let spent = serde_json::to_string(&part.spent).unwrap_or_default();
         let notes = [(DIGEST, self.digest.clone()), (SPENT, spent)];
-        parquet::write(&self.part(number), &part.table, &notes)
+        parquet_file::write(&self.part(number), &part.table, &notes)
     }
 
     /// Finished cells, every one read and found whole.
@@ -231,7 +231,7 @@ fn parts_in(dir: &Path) -> Result<BTreeMap<usize, PathBuf>, StudyError> {
 }
 
 fn read(path: &Path, digest: &str) -> Result<Part, StudyError> {
-    let (table, notes) = parquet::read(path)?;
+    let (table, notes) = parquet_file::read(path)?;
     let note = |key: &str| notes.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str());
     if note(DIGEST) != Some(digest) {
         let why = "was made by another study or version of armtwin: name another folder";
@@ -256,8 +256,8 @@ fn join(
     }
     let timings = Table::of(&timings)?;
     let notes = [(DIGEST, digest.to_string())];
-    parquet::write(&out.join(CELLS), &cells, &notes)?;
-    parquet::write(&out.join(TIMINGS), &timings, &notes)?;
+    parquet_file::write(&out.join(CELLS), &cells, &notes)?;
+    parquet_file::write(&out.join(TIMINGS), &timings, &notes)?;
     Ok([cells, timings])
 }
 
@@ -278,5 +278,8 @@ fn timing(number: usize, spent: &Spent) -> Row {
 /// If they are not there or damaged.
 pub fn tables(dir: &Path) -> Result<(Study, [Table; 2]), StudyError> {
     let study = Study::load(&dir.join(STUDY))?;
-    Ok((study, [parquet::read(&dir.join(CELLS))?.0, parquet::read(&dir.join(TIMINGS))?.0]))
+    Ok((
+        study,
+        [parquet_file::read(&dir.join(CELLS))?.0, parquet_file::read(&dir.join(TIMINGS))?.0],
+    ))
 }
