@@ -63,7 +63,10 @@ fn array(column: &Column) -> ArrayRef {
 /// If the file cannot be read, is no Parquet file of ours, or its values are not those written.
 pub fn read(path: &Path) -> Result<(Table, Vec<(String, String)>), StudyError> {
     let file = File::open(path).map_err(StudyError::io(path, "read"))?;
-    let (table, notes) = decoded(file).map_err(|e| damaged(path, &e.to_string()))?;
+    // The crate panics on some damaged footers.
+    let outcome = std::panic::catch_unwind(move || decoded(file));
+    let outcome = outcome.unwrap_or_else(|_| Err("its footer makes no sense".into()));
+    let (table, notes) = outcome.map_err(|e| damaged(path, &e.to_string()))?;
     match notes.iter().find(|(key, _)| key == DIGEST) {
         Some((_, digest)) if *digest == sha256(&table.bytes()) => Ok((table, notes)),
         _ => Err(damaged(path, "its values are not those that were written")),
