@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::evidence::Evidence;
 use super::model::{Built, Fit};
-use super::select::{Hypothesis, describe};
+use super::rank::{Hypothesis, describe};
 use super::{Floor, Settings};
 use crate::motion::{Kind, Settings as Motion};
 use crate::series::JointSeries;

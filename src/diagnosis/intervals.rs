@@ -9,7 +9,7 @@ use nalgebra::DVector;
 use super::columns::Blocks;
 use super::evidence::Evidence;
 use super::model::{Built, Fit, Model};
-use super::select::effective_shares;
+use super::rank::effective_shares;
 use super::system::System;
 use super::{Value, answer};
 use crate::effects::Role;

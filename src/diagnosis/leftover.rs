@@ -62,7 +62,8 @@ pub struct Remains {
     /// Power in the motion's band over the noise, per joint, before and after the causes.
     pub before: Vec<f64>,
     pub after: Vec<f64>,
-    /// Mean square over that of the noise, per joint, after the causes.
+    /// Mean square over that of the noise, per joint, before and after the causes.
+    pub chi2_before: Vec<f64>,
     pub chi2_per_sample: Vec<f64>,
 }
 
@@ -75,6 +76,7 @@ impl Remains {
         Self {
             before: in_motion_band(evidence, before),
             after: in_motion_band(evidence, after),
+            chi2_before: before.squares().into_iter().enumerate().map(level).collect(),
             chi2_per_sample: after.squares().into_iter().enumerate().map(level).collect(),
         }
     }
@@ -95,11 +97,17 @@ impl Remains {
     }
 
     /// Of what was systematic at these joints, in units of their noise, the share that is gone.
+    /// Where nothing stood out in the motion's band (play rattles above it), all frequencies count.
     pub fn explained(&self, joints: &[usize]) -> f64 {
+        let quiet = joints.iter().all(|&j| self.before[j] < SYSTEMATIC);
+        let (before, after) = match quiet {
+            true => (&self.chi2_before, &self.chi2_per_sample),
+            false => (&self.before, &self.after),
+        };
         let above =
             |ratios: &[f64]| -> f64 { joints.iter().map(|&j| (ratios[j] - 1.0).max(0.0)).sum() };
-        match above(&self.before) {
-            before if before > 0.0 => 1.0 - above(&self.after) / before,
+        match above(before) {
+            before if before > 0.0 => 1.0 - above(after) / before,
             _ => 1.0,
         }
     }

@@ -73,6 +73,18 @@ impl Model {
         more
     }
 
+    /// Without the causes at these indices.
+    pub fn without(&self, causes: &[usize]) -> Self {
+        let mut fewer = self.clone();
+        let mut index = 0..;
+        fewer.causes.retain(|_| index.next().is_none_or(|i| !causes.contains(&i)));
+        fewer
+    }
+
+    pub fn has(&self, candidate: Candidate) -> bool {
+        self.causes.iter().any(|t| t.candidate == candidate)
+    }
+
     pub fn terms(&self) -> impl Iterator<Item = &Term> {
         self.open.iter().chain(&self.causes)
     }

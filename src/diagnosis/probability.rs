@@ -54,6 +54,7 @@ mod tests {
         let remains = |after: f64| Remains {
             before: vec![50.0, 1.0],
             after: vec![after, 1.0],
+            chi2_before: vec![3.0, 1.0],
             chi2_per_sample: vec![1.0; 2],
         };
         assert!(of_unknown(&remains(1.0), &[0]) < 0.05);
@@ -61,6 +62,7 @@ mod tests {
         let inexact = Remains {
             before: vec![500.0, 90.0],
             after: vec![40.0, 40.0],
+            chi2_before: vec![300.0; 2],
             chi2_per_sample: vec![30.0; 2],
         };
         assert!(of_unknown(&inexact, &[0]) < 0.05);

@@ -13,7 +13,11 @@ use crate::effects::{Parameter, Role};
 use crate::identification::{bounds::Bounds, brent};
 
 /// Rounds of refining one nonlinear parameter after the other.
-const ROUNDS: usize = 2;
+const ROUNDS: usize = 5;
+/// Of the gain: from which on another round is worth it.
+const WORTH_ANOTHER: f64 = 0.003;
+/// Relative difference of a reference from its value that calls for refining.
+const INCONSISTENT: f64 = 0.02;
 /// Of a refined parameter, relative to the bracket (of its logarithm where positive).
 const TOLERANCE: f64 = 0.01;
 /// Rounds of setting references from what was fitted.
@@ -45,7 +49,7 @@ impl Trial {
     }
 }
 
-/// The best start of every candidate, and the largest gain any candidate makes on each surrogate.
+/// The best start of every candidate, best first, and the largest gain any candidate makes on each surrogate.
 pub fn screen(
     fit: &Fit,
     candidates: &[Candidate],
@@ -57,7 +61,17 @@ pub fn screen(
     for (_, gains) in &each {
         largest.iter_mut().zip(gains).for_each(|(l, g)| *l = l.max(*g));
     }
-    (each.into_iter().map(|(trial, _)| trial).collect(), largest)
+    let mut best: Vec<Trial> = each.into_iter().map(|(trial, _)| trial).collect();
+    best.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    (best, largest)
+}
+
+/// A term of a model as a trial on the fit without it.
+pub fn tried(fit: &Fit, term: &Term) -> Trial {
+    let starts = Arc::new(term.candidate.starts(&fit.motion()));
+    let (candidate, linear) = (term.candidate, vec![]);
+    let at = Trial { candidate, linear, nonlinear: vec![], gain: f64::NEG_INFINITY, starts };
+    evaluate(fit, &at, term.nonlinear.clone())
 }
 
 fn best_start(fit: &Fit, candidate: Candidate, surrogates: &[Blocks]) -> (Trial, Vec<f64>) {
@@ -123,17 +137,37 @@ fn evaluate(fit: &Fit, trial: &Trial, nonlinear: Vec<f64>) -> Trial {
 }
 
 /// Refines the nonlinear parameters that differ among the starts, between the neighbouring
-/// starts, then lets references follow from what was fitted.
+/// starts, and lets references follow from what was fitted. A reference that cannot follow, because
+/// other parameters are still off, is refined as they are.
 pub fn refine(fit: &Fit, start: &Trial) -> Trial {
-    let free: Vec<usize> = start.searched().into_iter().filter(|&i| !settled(start, i)).collect();
+    let searched = start.searched();
     let mut best = settle(fit, start.clone());
-    let rounds = if free.len() > 1 { ROUNDS } else { free.len() };
-    for _ in 0..rounds {
-        for &i in &free {
+    for _ in 0..ROUNDS {
+        let before = best.gain;
+        for &i in searched.iter().filter(|&&i| !settled(start, i)) {
             best = along(fit, best, i);
         }
+        for (i, k) in pairs_of_a_kind(start, &searched) {
+            best = exchange(fit, best, i, k);
+        }
+        best = settle(fit, best);
+        for &i in searched.iter().filter(|&&i| settled(start, i)) {
+            if !is_consistent(&best, i) {
+                best = along(fit, best, i);
+            }
+        }
+        if best.gain - before < WORTH_ANOTHER * before || searched.len() < 2 {
+            break;
+        }
     }
-    if free.is_empty() { best } else { settle(fit, best) }
+    best
+}
+
+/// Is reference `i` close to the value it refers to?
+fn is_consistent(trial: &Trial, i: usize) -> bool {
+    let mut should = trial.nonlinear.clone();
+    trial.candidate.effect.settle(&trial.linear, &mut should);
+    (should[i] - trial.nonlinear[i]).abs() <= INCONSISTENT * should[i].abs()
 }
 
 /// Is parameter `i` a reference that follows from the linear ones?
@@ -160,31 +194,70 @@ fn settle(fit: &Fit, mut trial: Trial) -> Trial {
     trial
 }
 
+/// Parameters that can give to each other: of one unit, neither a reference.
+fn pairs_of_a_kind(trial: &Trial, searched: &[usize]) -> Vec<(usize, usize)> {
+    let of = |i: usize| &trial.candidate.effect.about().parameters[trial.candidate.linear() + i];
+    let own = |i: &&usize| !of(**i).is_reference();
+    let free: Vec<usize> = searched.iter().filter(own).copied().collect();
+    let after = |i: usize| free.iter().copied().filter(move |k| *k > i);
+    let pairs = free.iter().flat_map(|&i| after(i).map(move |k| (i, k)));
+    pairs.filter(|(i, k)| of(*i).unit == of(*k).unit).collect()
+}
+
 /// The best value of nonlinear parameter `i`, the others as they are.
 fn along(fit: &Fit, best: Trial, i: usize) -> Trial {
-    let parameters = best.candidate.effect.about().parameters;
-    let parameter = &parameters[best.candidate.linear() + i];
-    let now = best.nonlinear[i];
-    let starts = best.starts.clone();
-    let others = starts.iter().map(|s| s[i]);
-    let below = others.clone().filter(|v| *v < now).fold(parameter.min, f64::max);
-    let above = others.filter(|v| *v > now).fold(parameter.max, f64::min);
-    let by_ratio = below > 0.0 && now > 0.0;
+    let now = best.nonlinear.clone();
+    let [below, above] = neighbours(&best, i);
+    let by_ratio = below > 0.0 && now[i] > 0.0;
     let to = |x: f64| if by_ratio { x.ln() } else { x };
-    let from = |u: f64| if by_ratio { u.exp() } else { u };
+    let at = |u: f64| {
+        let mut nonlinear = now.clone();
+        nonlinear[i] = if by_ratio { u.exp() } else { u };
+        nonlinear
+    };
+    line(fit, best, [to(below), to(above)], at)
+}
+
+/// What nonlinear parameter `i` gains `k` loses, as much as is best: the start of a stretch of time
+/// moves while its end stays.
+fn exchange(fit: &Fit, best: Trial, i: usize, k: usize) -> Trial {
+    let now = best.nonlinear.clone();
+    let ([below_i, above_i], [below_k, above_k]) = (neighbours(&best, i), neighbours(&best, k));
+    let low = (below_i - now[i]).max(now[k] - above_k);
+    let high = (above_i - now[i]).min(now[k] - below_k);
+    let at = |u: f64| {
+        let mut nonlinear = now.clone();
+        nonlinear[i] += u;
+        nonlinear[k] -= u;
+        nonlinear
+    };
+    line(fit, best, [low, high], at)
+}
+
+/// The starts next to the value of nonlinear parameter `i`, or the ends of its range.
+fn neighbours(trial: &Trial, i: usize) -> [f64; 2] {
+    let parameter = &trial.candidate.effect.about().parameters[trial.candidate.linear() + i];
+    let now = trial.nonlinear[i];
+    let others = trial.starts.iter().map(|s| s[i]);
+    let below = others.clone().filter(|v| *v < now).fold(parameter.min, f64::max);
+    [below, others.filter(|v| *v > now).fold(parameter.max, f64::min)]
+}
+
+/// The best trial on a line through the nonlinear parameters, between two ends.
+fn line(fit: &Fit, best: Trial, ends: [f64; 2], at: impl Fn(f64) -> Vec<f64>) -> Trial {
+    let parameters = &best.candidate.effect.about().parameters[best.candidate.linear()..];
+    let fixed = best.clone();
     let mut top = best;
-    let fixed = top.clone();
     let cost = |u: f64| {
-        let mut nonlinear = fixed.nonlinear.clone();
-        nonlinear[i] = from(u).clamp(parameter.min, parameter.max);
-        let trial = evaluate(fit, &fixed, nonlinear);
+        let inside = at(u).iter().zip(parameters).map(|(v, p)| p.clamp(*v)).collect();
+        let trial = evaluate(fit, &fixed, inside);
         let cost = -trial.gain;
         if trial.gain > top.gain {
             top = trial;
         }
         cost
     };
-    let (low, high) = (to(below), to(above));
+    let [low, high] = ends;
     if high > low {
         brent::minimise(cost, low, high, TOLERANCE * (high - low));
     }

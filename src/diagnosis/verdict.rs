@@ -7,7 +7,9 @@ use super::columns::Blocks;
 use super::evidence::Evidence;
 use super::leftover::{Remains, SYSTEMATIC, in_motion_band, leftover};
 use super::model::{Fit, Model};
-use super::select::{Hypothesis, Round, Search, State, acts_on, describe};
+use super::rank::{Hypothesis, State, acts_on, describe};
+use super::revise::Standing;
+use super::select::{Round, Search};
 use super::untestable::untestable;
 use super::{
     BeforeAfter, Cause, Diagnosis, Floor, Named, Ranked, Rejected, RoundEvidence, Scored, Settings,
@@ -30,7 +32,12 @@ const CROWDED: f64 = 0.8;
 pub struct Findings<'a, 'e> {
     pub search: &'a Search<'a, 'e>,
     pub start: State<'a, 'e>,
+    /// The search, one cause after the other.
     pub rounds: Vec<Round<'a, 'e>>,
+    /// The accepted causes, each given the others, strongest first.
+    pub standings: Vec<Standing<'a, 'e>>,
+    /// The twin with all of them.
+    pub last: State<'a, 'e>,
     pub floor: Vec<Floor>,
     /// Are link masses and centres fitted along?
     uncertain: bool,
@@ -44,7 +51,7 @@ impl<'a, 'e> Findings<'a, 'e> {
     }
 
     fn accepted(&self) -> Vec<&Hypothesis<'a, 'e>> {
-        self.rounds.iter().filter_map(|r| r.accepted.map(|i| &r.ranked[i])).collect()
+        self.standings.iter().map(Standing::cause).collect()
     }
 
     /// The joints that any of the causes acts on.
@@ -64,8 +71,7 @@ impl<'a, 'e> Findings<'a, 'e> {
 
     pub fn answer(&self) -> Diagnosis {
         let accepted = self.accepted();
-        let last = accepted.last().map_or(&self.start.residual, |h| &h.residual);
-        let remains = Remains::new(self.search.check, &self.start.residual, last);
+        let remains = Remains::new(self.search.check, &self.start.residual, &self.last.residual);
         let all: Vec<usize> = (0..self.search.fit.joints()).collect();
         let unknown = match accepted.is_empty() {
             true => probability::of_unknown(&remains, &all),
@@ -80,15 +86,12 @@ impl<'a, 'e> Findings<'a, 'e> {
             schema: SCHEMA.into(),
             armtwin: env!("CARGO_PKG_VERSION").into(),
             verdict: self.verdict(named, &remains),
-            fitted_before: self.fitted(None),
-            fitted: self.fitted(if named { Some(&accepted[accepted.len() - 1].fit) } else { None }),
+            fitted_before: self.fitted(&self.start.fit),
+            fitted: self.fitted(if named { &self.last.fit } else { &self.start.fit }),
             gap: self.gap(),
             shrink: Shrink { torque: self.shrink(named), simulation: None },
             ranking: self.ranking(unknown),
-            untestable: untestable(
-                accepted.last().map_or(&self.start.fit, |h| &h.fit),
-                &self.search.candidates,
-            ),
+            untestable: untestable(&self.last.fit, &self.search.candidates),
             rejected: self.rejected(),
             leftover: left,
             next_experiment: self.next_experiment(),
@@ -126,43 +129,42 @@ impl<'a, 'e> Findings<'a, 'e> {
     }
 
     fn causes(&self, unknown: f64) -> Vec<Cause> {
-        let accepted = self.accepted();
-        let Some(last) = accepted.last() else { return Vec::new() };
-        let values = intervals::values(&last.fit);
-        let mut before = &self.start.residual;
-        let mut causes = Vec::new();
-        for ((round, h), parameters) in
-            self.rounds.iter().filter(|r| r.accepted.is_some()).zip(&accepted).zip(values)
-        {
+        let values = intervals::values(&self.last.fit);
+        let of = |h: &Hypothesis| {
+            let causes = &self.last.fit.model.causes;
+            let place = causes.iter().position(|t| t.candidate == h.trial.candidate);
+            place.map_or_else(Vec::new, |i| values[i].clone())
+        };
+        let cause = |standing: &Standing<'a, 'e>| {
+            let h = standing.cause();
             let about = h.trial.candidate.effect.about();
-            causes.push(Cause {
+            let before = &standing.without.residual;
+            Cause {
                 effect: about.name.into(),
                 joints: h.trial.candidate.place.joints(),
-                probability: (1.0 - unknown) * share_of(round, h),
-                equivalent: equivalents(round, h),
-                parameters,
+                probability: (1.0 - unknown) * share_of(&standing.ranked, h),
+                equivalent: equivalents(standing),
+                parameters: of(h),
                 shrink: self.pair(before, &h.residual, |pair| pair.checked(self.settings().seed)),
                 cause: about.cause.into(),
                 remedy: about.remedy.into(),
-            });
-            before = &h.residual;
-        }
-        causes
+            }
+        };
+        self.standings.iter().map(cause).collect()
     }
 
-    /// The first round's candidates, "none" and "unknown": what is at work first of all.
+    /// The strongest cause's rivals, "none" and "unknown": what is at work first of all.
     fn ranking(&self, unknown: f64) -> Vec<Ranked> {
         let Some(first) = self.rounds.first() else { return Vec::new() };
-        let claim = match first.accepted {
-            Some(_) => 1.0,
+        let (ranked, claim) = match self.standings.first() {
+            Some(strongest) => (&strongest.ranked, 1.0),
             // Nothing was accepted: what chance finds as often is hardly a candidate.
-            None => (1.0 - first.p).powi(2) * 0.5,
+            None => (&first.ranked, (1.0 - first.p).powi(2) * 0.5),
         };
-        let scores: Vec<f64> = first.ranked.iter().map(|h| h.score).collect();
+        let scores: Vec<f64> = ranked.iter().map(|h| h.score).collect();
         let shares = probability::shares(&scores);
         let known = 1.0 - unknown;
-        let mut rows: Vec<Ranked> = first
-            .ranked
+        let mut rows: Vec<Ranked> = ranked
             .iter()
             .zip(&shares)
             .map(|(h, share)| Ranked {
@@ -174,7 +176,7 @@ impl<'a, 'e> Findings<'a, 'e> {
             })
             .collect();
         let refined = |name: &str, joints: &[usize]| {
-            first.ranked.iter().any(|h| {
+            ranked.iter().any(|h| {
                 h.trial.candidate.name() == name && h.trial.candidate.place.joints() == joints
             })
         };
@@ -203,7 +205,7 @@ impl<'a, 'e> Findings<'a, 'e> {
     }
 
     fn rejected(&self) -> Vec<Rejected> {
-        let first = self.rounds.iter().take(1).flat_map(|r| &r.ranked);
+        let first = self.rounds.iter().take(1).flat_map(|r| r.ranked.iter());
         let bound = first.filter_map(|h| {
             let parameter = h.at_bound?;
             Some(Rejected {
@@ -216,8 +218,7 @@ impl<'a, 'e> Findings<'a, 'e> {
     }
 
     /// Values of the twin's open effects, one per joint.
-    fn fitted(&self, fit: Option<&Fit<'a, 'e>>) -> BTreeMap<String, Vec<f64>> {
-        let fit = fit.unwrap_or(&self.start.fit);
+    fn fitted(&self, fit: &Fit<'a, 'e>) -> BTreeMap<String, Vec<f64>> {
         let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
         let mut next = 0;
         for term in &fit.model.open {
@@ -254,11 +255,7 @@ impl<'a, 'e> Findings<'a, 'e> {
     }
 
     fn shrink(&self, named: bool) -> super::TorqueShrink {
-        let accepted = self.accepted();
-        let after = match accepted.last() {
-            Some(h) if named => &h.residual,
-            _ => &self.start.residual,
-        };
+        let after = if named { &self.last.residual } else { &self.start.residual };
         let floor: Vec<f64> = self.floor.iter().map(|f| f.noise_nm).collect();
         let seed = self.settings().seed;
         self.pair(&self.start.residual, after, |pair| torque_shrink(pair, &floor, seed))
@@ -332,25 +329,24 @@ impl<'a, 'e> Findings<'a, 'e> {
     }
 }
 
-/// What does as well as `h` within the tolerance, and is not rejected.
-fn equivalents(round: &Round, h: &Hypothesis) -> Vec<Named> {
-    let best = h.score;
-    round
-        .ranked
-        .iter()
-        .filter(|o| o.trial.candidate != h.trial.candidate && o.at_bound.is_none())
-        .filter(|o| o.score >= best - round.tolerance)
-        .map(named)
-        .collect()
+/// What does as well within the tolerance, and is not rejected.
+fn equivalents(standing: &Standing) -> Vec<Named> {
+    let cause = standing.cause();
+    let near = |o: &&Hypothesis| {
+        o.trial.candidate != cause.trial.candidate
+            && o.at_bound.is_none()
+            && o.score >= cause.score - standing.tolerance
+    };
+    standing.ranked.iter().filter(near).map(named).collect()
 }
 
 fn named(h: &Hypothesis) -> Named {
     Named { effect: h.trial.candidate.name().into(), joints: h.trial.candidate.place.joints() }
 }
 
-/// Probability within its round.
-fn share_of(round: &Round, h: &Hypothesis) -> f64 {
-    let usable: Vec<&Hypothesis> = round.ranked.iter().filter(|o| o.at_bound.is_none()).collect();
+/// Probability among its rivals.
+fn share_of(ranked: &[Hypothesis], h: &Hypothesis) -> f64 {
+    let usable: Vec<&Hypothesis> = ranked.iter().filter(|o| o.at_bound.is_none()).collect();
     let scores: Vec<f64> = usable.iter().map(|o| o.score).collect();
     let shares = probability::shares(&scores);
     let found = usable.iter().position(|o| o.trial.candidate == h.trial.candidate);
@@ -360,8 +356,7 @@ fn share_of(round: &Round, h: &Hypothesis) -> f64 {
 impl Findings<'_, '_> {
     /// What is left on the check recording where the arm moves, at the worst joint.
     fn worst(&self) -> f64 {
-        let last = self.accepted().last().map_or(&self.start.residual, |h| &h.residual);
-        in_motion_band(self.search.check, last).into_iter().fold(1.0, f64::max)
+        in_motion_band(self.search.check, &self.last.residual).into_iter().fold(1.0, f64::max)
     }
 
     fn names(&self) -> Vec<String> {
@@ -375,8 +370,10 @@ impl Findings<'_, '_> {
 pub fn findings<'a, 'e>(search: &'a Search<'a, 'e>, floor: &[Floor]) -> Findings<'a, 'e> {
     let run = |model: Model, uncertain| {
         let start = search.state(model);
-        let rounds = search.run(&start);
-        Findings { search, start, rounds, floor: floor.to_vec(), uncertain, other: None }
+        let (rounds, model) = search.run(&start);
+        let standings = standings(search, &rounds, &model);
+        let (last, floor) = (search.state(model), floor.to_vec());
+        Findings { search, start, rounds, standings, last, floor, uncertain, other: None }
     };
     let (twin, settings) = (search.fit.twin, search.settings);
     let exact = run(Model::of(twin), false);
@@ -388,4 +385,23 @@ pub fn findings<'a, 'e>(search: &'a Search<'a, 'e>, floor: &[Floor]) -> Findings
         if free.worst() < exact.worst() { (free, exact) } else { (exact, free) };
     better.other = Some(worse.names()).filter(|names| *names != better.names());
     better
+}
+
+/// Every accepted cause among its rivals, strongest first. A single one stands as it was found.
+fn standings<'a, 'e>(
+    search: &Search<'a, 'e>,
+    rounds: &[Round<'a, 'e>],
+    model: &Model,
+) -> Vec<Standing<'a, 'e>> {
+    let first = rounds.first().and_then(|r| r.accepted.map(|i| (r, i)));
+    if let (Some((round, index)), [only]) = (first, &model.causes[..])
+        && round.ranked[index].fit.model.causes[0] == *only
+    {
+        let (ranked, tolerance) = (round.ranked.clone(), round.tolerance);
+        let without = search.state(model.without(&[0]));
+        return vec![Standing { ranked, index, tolerance, without }];
+    }
+    let mut standings = search.standings(model);
+    standings.sort_by(|a, b| b.cause().score.total_cmp(&a.cause().score));
+    standings
 }

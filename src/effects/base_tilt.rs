@@ -19,8 +19,8 @@ static ABOUT: About = About {
             name: "tilt_x",
             symbol: "rx",
             unit: "rad",
-            min: -0.3,
-            max: 0.3,
+            min: -0.5,
+            max: 0.5,
             typical: 0.03,
             null: 0.0,
             role: Role::Linear,
@@ -29,8 +29,8 @@ static ABOUT: About = About {
             name: "tilt_y",
             symbol: "ry",
             unit: "rad",
-            min: -0.3,
-            max: 0.3,
+            min: -0.5,
+            max: 0.5,
             typical: 0.02,
             null: 0.0,
             role: Role::Linear,
@@ -47,7 +47,7 @@ static ABOUT: About = About {
 
 const fn reference(name: &'static str, symbol: &'static str) -> Parameter {
     let (role, null) = (Role::Nonlinear, f64::NAN);
-    Parameter { name, symbol, unit: "rad", min: -0.3, max: 0.3, typical: 0.0, null, role }
+    Parameter { name, symbol, unit: "rad", min: -0.5, max: 0.5, typical: 0.0, null, role }
 }
 
 impl Effect for BaseTilt {

@@ -1,12 +1,13 @@
 //! A link's mass and centre of mass other than in the twin: tau = Y_j [dm, d(m c)].
 //!
-//! First moments m c are in the link's frame. The rotational inertia about the centre of mass stays,
-//! the columns are linear in small changes. Not all combinations can be seen: a mass on a vertical
-//! first axis has no torque.
+//! First moments m c are in the link's frame. The rotational inertia about the centre of mass stays;
+//! what m c c^T adds to it is not linear in m and h = m c. The columns take it between the twin's
+//! link and a reference change, which is exact for that change (fit again with what was fitted). Not
+//! all combinations can be seen: a mass on a vertical first axis has no torque.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope};
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, starts};
 use crate::robot::{Inertia, Robot, body_regressor_series};
 use crate::series::JointSeries;
 
@@ -27,36 +28,13 @@ static ABOUT: About = About {
             null: 0.0,
             role: Role::Linear,
         },
-        Parameter {
-            name: "link_moment_x",
-            symbol: "d(m cx)",
-            unit: "kg.m",
-            min: -2.0,
-            max: 2.0,
-            typical: 0.05,
-            null: 0.0,
-            role: Role::Linear,
-        },
-        Parameter {
-            name: "link_moment_y",
-            symbol: "d(m cy)",
-            unit: "kg.m",
-            min: -2.0,
-            max: 2.0,
-            typical: 0.05,
-            null: 0.0,
-            role: Role::Linear,
-        },
-        Parameter {
-            name: "link_moment_z",
-            symbol: "d(m cz)",
-            unit: "kg.m",
-            min: -2.0,
-            max: 2.0,
-            typical: 0.05,
-            null: 0.0,
-            role: Role::Linear,
-        },
+        moment("link_moment_x", "d(m cx)"),
+        moment("link_moment_y", "d(m cy)"),
+        moment("link_moment_z", "d(m cz)"),
+        reference("link_mass_reference", "dm0", "kg", 5.0),
+        reference("link_moment_x_reference", "d(m cx)0", "kg.m", 2.0),
+        reference("link_moment_y_reference", "d(m cy)0", "kg.m", 2.0),
+        reference("link_moment_z_reference", "d(m cz)0", "kg.m", 2.0),
     ],
     memory: 0,
     dissipates: false,
@@ -70,11 +48,24 @@ impl Effect for LinkInertia {
         &ABOUT
     }
 
-    fn reach(&self, motion: &Motion<'_>, from: usize, _: &[f64]) -> Vec<JointSeries> {
+    /// One: small changes are linear enough to settle from.
+    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+        starts::grid(ABOUT.parameters, &[])
+    }
+
+    fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
+        let references = ABOUT.parameters.iter().filter(|p| p.is_reference());
+        for ((r, value), p) in nonlinear.iter_mut().zip(linear).zip(references) {
+            *r = p.clamp(*value);
+        }
+    }
+
+    fn reach(&self, motion: &Motion<'_>, from: usize, reference: &[f64]) -> Vec<JointSeries> {
         let Motion { robot, q, qd, qdd, .. } = motion;
         let body = body_regressor_series(robot, q, qd, qdd, from);
         let inertia = &robot.bodies[from].inertia;
-        (0..4).map(|i| weighted_sum(&body, &per_unit(inertia, i))).collect()
+        let new = changed(inertia, reference).unwrap_or(*inertia);
+        (0..4).map(|i| weighted_sum(&body, &per_unit(inertia.com, new.com, i))).collect()
     }
 
     fn expected(&self, robot: &Robot, joint: usize) -> Vec<f64> {
@@ -85,27 +76,47 @@ impl Effect for LinkInertia {
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         let inertia = &mut mechanism.robot.bodies[joint].inertia;
-        let moment = inertia.com * inertia.mass + Vector3::new(values[1], values[2], values[3]);
-        let mass = inertia.mass + values[0];
-        if values.iter().any(|v| *v != 0.0) {
-            (inertia.mass, inertia.com) = (mass, moment / mass);
-        }
+        *inertia = changed(inertia, values).unwrap_or(*inertia);
     }
+}
+
+/// By dm and d(m c); `None` where nothing changes or no mass is left.
+fn changed(inertia: &Inertia, by: &[f64]) -> Option<Inertia> {
+    let [dm, x, y, z] = *by.first_chunk()?;
+    let mass = inertia.mass + dm;
+    let moment = inertia.com * inertia.mass + Vector3::new(x, y, z);
+    let some = by.iter().any(|v| *v != 0.0) && mass > 0.0;
+    some.then(|| Inertia { mass, com: moment / mass, ..*inertia })
+}
+
+const fn moment(name: &'static str, symbol: &'static str) -> Parameter {
+    let role = Role::Linear;
+    Parameter { name, symbol, unit: "kg.m", min: -2.0, max: 2.0, typical: 0.05, null: 0.0, role }
+}
+
+const fn reference(
+    name: &'static str,
+    symbol: &'static str,
+    unit: &'static str,
+    max: f64,
+) -> Parameter {
+    let (role, null) = (Role::Nonlinear, f64::NAN);
+    Parameter { name, symbol, unit, min: -max, max, typical: 0.0, null, role }
 }
 
 /// What data sheets and CAD are commonly wrong by: of a mass, and of its centre, m.
 const MASS_ERROR: f64 = 0.1;
 const CENTRE_ERROR_M: f64 = 0.02;
 
-/// The ten inertial parameters per unit of dm (`i` = 0) or of a first moment: with h = m c,
-/// d I_o = d(h^T h 1 - h h^T)/m.
-fn per_unit(inertia: &Inertia, i: usize) -> [f64; 10] {
-    let c = inertia.com;
+/// The ten inertial parameters per unit of dm (`i` = 0) or of a first moment, between the centres
+/// c and c': d(m c c^T) = sym((c + c') dh^T) - dm sym(c c'^T).
+fn per_unit(c: Vector3<f64>, new: Vector3<f64>, i: usize) -> [f64; 10] {
     let (dm, dh) = match i {
         0 => (1.0, Vector3::zeros()),
         _ => (0.0, Vector3::ith(i - 1, 1.0)),
     };
-    let second = c * dh.transpose() + dh * c.transpose() - c * c.transpose() * dm;
+    let twice = (c + new) * dh.transpose() - c * new.transpose() * dm;
+    let second = 0.5 * (twice + twice.transpose());
     let o = Matrix3::identity() * second.trace() - second;
     [dm, dh.x, dh.y, dh.z, o.m11, o.m12, o.m22, o.m13, o.m23, o.m33]
 }

@@ -17,7 +17,7 @@ impl Effect for Stribeck {
                     symbol: "Fs - Fc",
                     unit: "N.m",
                     min: 0.0,
-                    max: 30.0,
+                    max: 60.0,
                     typical: 2.0,
                     null: 0.0,
                     role: Role::Linear,
