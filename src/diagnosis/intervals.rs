@@ -2,7 +2,9 @@
 //!
 //! From the information matrix of all linear parameters and of the nonlinear ones that were
 //! searched (their columns by central differences), samples counted by what is independent in the
-//! residual.
+//! residual. Where a step of Gauss and Newton on the check recording moves a value further than
+//! both variances allow, signatures are not exact and the interval is widened by that ratio
+//! (Birge, "The calculation of errors by the method of least squares", Phys. Rev. 40, 1932).
 
 use nalgebra::DVector;
 
@@ -20,22 +22,23 @@ pub const LEVEL: f64 = 0.9;
 /// Of a nonlinear parameter, relative; a hundredth of its range for zero.
 const DIFFERENCE: f64 = 1e-3;
 
-/// Values of every cause with intervals, in the order of the causes.
-pub fn values(fit: &Fit<'_, '_>) -> Vec<Vec<answer::Value>> {
-    let (columns, places) = columns(fit);
-    let shares = effective_shares(&fit.system.residual);
-    let weights: Vec<f64> =
-        fit.evidence.weights(&fit.squares).iter().zip(&shares).map(|(w, s)| w * s).collect();
-    let mut priors = fit.model.priors();
-    priors.resize(columns.len(), f64::INFINITY);
-    let system = System::solve(columns, &fit.system.residual, weights, &priors);
+/// Values of every cause with intervals, in the order of the causes; `left` is what the fit leaves
+/// of the check recording.
+pub fn values(fit: &Fit<'_, '_>, check: &Evidence<'_>, left: &Blocks) -> Vec<Vec<answer::Value>> {
+    let (on_fit, places) = step(fit, fit.evidence, &fit.system.residual);
+    let (on_check, _) = step(fit, check, left);
+    let variance = |column: usize| {
+        let own = on_fit.variance(column);
+        let moved = (on_check.x[column] - on_fit.x[column]).powi(2);
+        own * (moved / (own + on_check.variance(column)).max(f64::MIN_POSITIVE)).max(1.0)
+    };
     let wide = normal_quantile(1.0 - LEVEL);
     let cause = |i: usize| {
         let values = fit.values(i);
         let candidate = fit.model.causes[i].candidate;
         let parameters = candidate.effect.about().parameters.iter().zip(values).enumerate();
         let value = |(k, (p, value)): (usize, (&crate::effects::Parameter, f64))| {
-            let half = places[i][k].map_or(0.0, |column| wide * system.variance(column).sqrt());
+            let half = places[i][k].map_or(0.0, |column| wide * variance(column).sqrt());
             let near = 1e-3 * (p.max - p.min).min(1e6);
             Value {
                 name: p.name.into(),
@@ -53,9 +56,23 @@ pub fn values(fit: &Fit<'_, '_>) -> Vec<Vec<answer::Value>> {
     (0..fit.model.causes.len()).map(cause).collect()
 }
 
-/// All columns, and where each parameter's is: `None` where it was not searched.
-fn columns(fit: &Fit<'_, '_>) -> (Vec<Blocks>, Vec<Vec<Option<usize>>>) {
-    let mut columns = fit.system.columns.clone();
+/// Column of each parameter, cause by cause; `None` where it was not searched.
+type Places = Vec<Vec<Option<usize>>>;
+
+/// How far all parameters would move to meet what is left of a recording, and where they are.
+fn step(fit: &Fit<'_, '_>, evidence: &Evidence<'_>, left: &Blocks) -> (System, Places) {
+    let (columns, places) = columns(fit, evidence);
+    let shares = effective_shares(left);
+    let weights = evidence.weights(&left.squares());
+    let weights = weights.iter().zip(&shares).map(|(w, s)| w * s).collect();
+    let mut priors = fit.model.priors();
+    priors.resize(columns.len(), f64::INFINITY);
+    (System::solve(columns, left, weights, &priors), places)
+}
+
+/// All columns on a recording, and where each parameter's is.
+fn columns(fit: &Fit<'_, '_>, evidence: &Evidence<'_>) -> (Vec<Blocks>, Places) {
+    let mut columns = Built::new(evidence, &fit.model).columns;
     let mut places = Vec::new();
     for (i, term) in fit.model.causes.iter().enumerate() {
         let linear: Vec<usize> = fit.model.range(i).collect();
@@ -64,7 +81,7 @@ fn columns(fit: &Fit<'_, '_>) -> (Vec<Blocks>, Vec<Vec<Option<usize>>>) {
             of_cause.push(match p.role {
                 Role::Linear => (!term.held[k]).then(|| linear[k]),
                 Role::Nonlinear if term.searched.contains(&(k - linear.len())) => {
-                    columns.push(slope(fit, i, k - linear.len(), p));
+                    columns.push(slope(fit, evidence, i, k - linear.len(), p));
                     Some(columns.len() - 1)
                 }
                 Role::Nonlinear => None,
@@ -76,13 +93,19 @@ fn columns(fit: &Fit<'_, '_>) -> (Vec<Blocks>, Vec<Vec<Option<usize>>>) {
 }
 
 /// d torque / d nonlinear parameter `k` of cause `i`, N.m per unit.
-fn slope(fit: &Fit<'_, '_>, i: usize, k: usize, p: &crate::effects::Parameter) -> Blocks {
+fn slope(
+    fit: &Fit<'_, '_>,
+    evidence: &Evidence<'_>,
+    i: usize,
+    k: usize,
+    p: &crate::effects::Parameter,
+) -> Blocks {
     let value = fit.model.causes[i].nonlinear[k];
     let step = if value != 0.0 { DIFFERENCE * value.abs() } else { 0.01 * (p.max - p.min) };
     let at = |value: f64| {
         let mut model = fit.model.clone();
         model.causes[i].nonlinear[k] = value;
-        predicted(fit.evidence, &model, &fit.system.x)
+        predicted(evidence, &model, &fit.system.x)
     };
     let mut slope = at(value + step);
     slope.add_scaled(-1.0, &at(value - step));

@@ -91,24 +91,20 @@ impl Remains {
         self.inexactness() < EXACT
     }
 
-    /// The largest ratio left.
-    pub fn worst(&self, joints: &[usize]) -> f64 {
-        joints.iter().map(|&j| self.after[j]).fold(1.0, f64::max)
-    }
-
     /// Of what was systematic at these joints, in units of their noise, the share that is gone.
-    /// Where nothing stood out in the motion's band (play rattles above it), all frequencies count.
+    /// Where little stood out in the motion's band (play rattles above it) all frequencies may say
+    /// so too.
     pub fn explained(&self, joints: &[usize]) -> f64 {
-        let quiet = joints.iter().all(|&j| self.before[j] < SYSTEMATIC);
-        let (before, after) = match quiet {
-            true => (&self.chi2_before, &self.chi2_per_sample),
-            false => (&self.before, &self.after),
-        };
         let above =
             |ratios: &[f64]| -> f64 { joints.iter().map(|&j| (ratios[j] - 1.0).max(0.0)).sum() };
-        match above(before) {
+        let share = |before: &[f64], after: &[f64]| match above(before) {
             before if before > 0.0 => 1.0 - above(after) / before,
             _ => 1.0,
+        };
+        let in_band = share(&self.before, &self.after);
+        match joints.iter().all(|&j| self.before[j] < SYSTEMATIC) {
+            true => in_band.max(share(&self.chi2_before, &self.chi2_per_sample)),
+            false => in_band,
         }
     }
 }

@@ -10,6 +10,7 @@ mod experiment;
 mod floor;
 mod gap;
 mod intervals;
+mod kinematics;
 mod leftover;
 mod local_noise;
 mod mend;

@@ -3,12 +3,14 @@
 use super::leftover::{Remains, SYSTEMATIC};
 
 /// Of "unknown": steepness over the logarithm of what is left, and over the share explained.
-const STEEP_LEFT: f64 = 3.0;
+const STEEP_LEFT: f64 = 4.0;
 const STEEP_SHARE: f64 = 10.0;
 /// Share of what was systematic that the causes have to explain.
 const LEAST_SHARE: f64 = 0.5;
-/// Times the systematic limit where a leftover counts as much for as against the cause.
+/// Where a leftover counts as much for as against the cause: times the systematic limit, and more
+/// by this share of what there was before (no signature is exact).
 const HALFWAY: f64 = 2.0;
+const INEXACT: f64 = 0.05;
 
 /// That something outside the catalogue is at work at `joints`, where the causes leave `remains`.
 ///
@@ -19,8 +21,12 @@ pub fn of_unknown(remains: &Remains, joints: &[usize]) -> f64 {
     let by_share = logistic(STEEP_SHARE * (LEAST_SHARE - remains.explained(joints)));
     match remains.is_exact() {
         true => {
-            let left = (remains.worst(joints) / (HALFWAY * SYSTEMATIC)).ln();
-            by_share.max(logistic(STEEP_LEFT * left))
+            let left = |&j: &usize| {
+                let halfway = HALFWAY * SYSTEMATIC + INEXACT * remains.before[j];
+                (remains.after[j] / halfway).ln()
+            };
+            let worst = joints.iter().map(left).fold(f64::NEG_INFINITY, f64::max);
+            by_share.max(logistic(STEEP_LEFT * worst))
         }
         false => by_share,
     }

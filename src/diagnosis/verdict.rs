@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::candidate::Place;
 use super::columns::Blocks;
 use super::evidence::Evidence;
+use super::kinematics::{self, Lagging};
 use super::leftover::{Remains, SYSTEMATIC, in_motion_band, leftover};
 use super::model::{Fit, Model};
 use super::rank::{Hypothesis, State, acts_on, describe};
@@ -27,6 +28,8 @@ const ABSTAIN: f64 = 0.5;
 /// Causes at one joint from which on something unknown is likelier, and how likely it is then.
 const MOST_AT_A_JOINT: usize = 3;
 const CROWDED: f64 = 0.8;
+/// Of "unknown" where velocities lag and the catalogue may not say so.
+const UNEXPLAINED_LAG: f64 = 0.8;
 
 /// Everything an answer is made from.
 pub struct Findings<'a, 'e> {
@@ -41,6 +44,8 @@ pub struct Findings<'a, 'e> {
     pub floor: Vec<Floor>,
     /// Are link masses and centres fitted along?
     uncertain: bool,
+    /// Recorded velocities that lag.
+    lagging: Option<Lagging>,
     /// What the other choice would have named, where that differs.
     other: Option<Vec<String>>,
 }
@@ -79,18 +84,25 @@ impl<'a, 'e> Findings<'a, 'e> {
             false => probability::of_unknown(&remains, &self.touched()),
         };
         let named = !accepted.is_empty() && unknown <= ABSTAIN;
-        let causes = if named { self.causes(unknown) } else { Vec::new() };
+        let mut causes = if named { self.causes(unknown) } else { Vec::new() };
+        let lag = self.lagging.as_ref().and_then(|l| l.cause(self.settings()));
+        let unknown = match (&self.lagging, &lag) {
+            (Some(_), None) if !named => unknown.max(UNEXPLAINED_LAG),
+            _ => unknown,
+        };
+        let sensor_alone = lag.is_some() && accepted.is_empty();
+        causes.extend(lag);
         let start = Remains::new(self.search.check, &self.start.residual, &self.start.residual);
         let left = leftover(if named { &remains } else { &start });
         Diagnosis {
             schema: SCHEMA.into(),
             armtwin: env!("CARGO_PKG_VERSION").into(),
-            verdict: self.verdict(named, &remains),
+            verdict: self.verdict(named, sensor_alone, &remains),
             fitted_before: self.fitted(&self.start.fit),
             fitted: self.fitted(if named { &self.last.fit } else { &self.start.fit }),
             gap: self.gap(),
             shrink: Shrink { torque: self.shrink(named), simulation: None },
-            ranking: self.ranking(unknown),
+            ranking: ranked_with(&causes[..usize::from(sensor_alone)], self.ranking(unknown)),
             untestable: untestable(&self.last.fit, &self.search.candidates),
             rejected: self.rejected(),
             leftover: left,
@@ -116,12 +128,16 @@ impl<'a, 'e> Findings<'a, 'e> {
         }
     }
 
-    fn verdict(&self, named: bool, remains: &Remains) -> Verdict {
+    fn verdict(&self, named: bool, sensor_alone: bool, remains: &Remains) -> Verdict {
         let systematic = |ratios: &[f64]| ratios.iter().any(|r| *r > SYSTEMATIC);
-        match (named, systematic(&remains.after)) {
+        match (named || sensor_alone, systematic(&remains.after)) {
             (true, false) => Verdict::Explained,
             (true, true) => Verdict::PartlyExplained,
-            (false, _) if self.accepted().is_empty() && !systematic(&remains.before) => {
+            (false, _)
+                if self.accepted().is_empty()
+                    && !systematic(&remains.before)
+                    && self.lagging.is_none() =>
+            {
                 Verdict::NoGap
             }
             _ => Verdict::Unexplained,
@@ -129,7 +145,7 @@ impl<'a, 'e> Findings<'a, 'e> {
     }
 
     fn causes(&self, unknown: f64) -> Vec<Cause> {
-        let values = intervals::values(&self.last.fit);
+        let values = intervals::values(&self.last.fit, self.search.check, &self.last.residual);
         let of = |h: &Hypothesis| {
             let causes = &self.last.fit.model.causes;
             let place = causes.iter().position(|t| t.candidate == h.trial.candidate);
@@ -290,7 +306,7 @@ impl<'a, 'e> Findings<'a, 'e> {
     }
 
     fn notes(&self, remains: &Remains, unknown: f64) -> Vec<String> {
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = self.lagging.iter().map(Lagging::says).collect();
         let Settings { mass_error, centre_error_m, .. } = self.settings();
         if self.uncertain {
             notes.push(format!(
@@ -373,18 +389,33 @@ pub fn findings<'a, 'e>(search: &'a Search<'a, 'e>, floor: &[Floor]) -> Findings
         let (rounds, model) = search.run(&start);
         let standings = standings(search, &rounds, &model);
         let (last, floor) = (search.state(model), floor.to_vec());
-        Findings { search, start, rounds, standings, last, floor, uncertain, other: None }
+        let (lagging, other) = (None, None);
+        Findings { search, start, rounds, standings, last, floor, uncertain, lagging, other }
     };
     let (twin, settings) = (search.fit.twin, search.settings);
-    let exact = run(Model::of(twin), false);
+    let lagging = kinematics::lagging(search.fit, search.check, settings);
+    let exact = Findings { lagging: lagging.clone(), ..run(Model::of(twin), false) };
     if exact.worst() < SYSTEMATIC || settings.mass_error <= 0.0 {
         return exact;
     }
-    let free = run(Model::of_uncertain(twin, settings), true);
+    let free = Findings { lagging, ..run(Model::of_uncertain(twin, settings), true) };
     let (mut better, worse) =
         if free.worst() < exact.worst() { (free, exact) } else { (exact, free) };
     better.other = Some(worse.names()).filter(|names| *names != better.names());
     better
+}
+
+/// A cause that torque does not show goes first: what the others share is left by it.
+fn ranked_with(sensor: &[Cause], mut ranking: Vec<Ranked>) -> Vec<Ranked> {
+    for cause in sensor {
+        ranking.retain(|r| r.effect != cause.effect || r.joints != cause.joints);
+        ranking.iter_mut().for_each(|r| r.probability *= 1.0 - cause.probability);
+        let (effect, joints) = (cause.effect.clone(), cause.joints.clone());
+        let [gain_fit, gain_check] = [0.0; 2];
+        let probability = 1.0 - ranking.iter().map(|r| r.probability).sum::<f64>();
+        ranking.insert(0, Ranked { effect, joints, probability, gain_fit, gain_check });
+    }
+    ranking
 }
 
 /// Every accepted cause among its rivals, strongest first. A single one stands as it was found.

@@ -10,6 +10,8 @@ pub(super) struct Picked {
     pub q: JointSeries,
     /// Recorded velocity, where the derivatives are made from it.
     pub qd: Option<JointSeries>,
+    /// Recorded velocity, where they are made from something else.
+    pub unused_qd: Option<JointSeries>,
     /// Commanded position, velocity and acceleration, where the derivatives are made from them.
     pub target: Option<[JointSeries; 3]>,
     /// N.m at the joint.
@@ -35,6 +37,10 @@ pub(super) fn pick(
         qd: match derivatives {
             Recorded | Paper => Some(need("actual_qd", velocity, record)?),
             _ => None,
+        },
+        unused_qd: match derivatives {
+            Recorded | Paper => None,
+            _ => joints(recording, "actual_qd", dof, "", "").ok(),
         },
         target: match derivatives {
             TrackingError => Some([

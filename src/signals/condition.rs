@@ -38,6 +38,7 @@ pub fn condition(
         qd,
         qdd,
         torque: carry(&picked.torque),
+        recorded_qd: picked.unused_qd.as_ref().map(carry),
         temperature: picked.temperature.as_ref().map(carry),
         usable,
         conditioning: how.clone(),

@@ -105,6 +105,8 @@ pub struct Samples {
     pub qdd: JointSeries,
     /// N.m at the joint, drive side.
     pub torque: JointSeries,
+    /// The recorded velocity, not filtered, where the motion is made from positions, rad/s.
+    pub recorded_qd: Option<JointSeries>,
     /// deg C, where recorded.
     pub temperature: Option<JointSeries>,
     /// False in the margins at both ends, in gaps and beside them; the same for every joint.

@@ -1,0 +1,220 @@
+//! Does the recorded velocity follow the recorded position?
+//!
+//! Torque cannot tell where motion is made from positions, so this is asked of the channels
+//! themselves. A velocity that lags by T obeys T d(qd_r)/dt = qd - qd_r, with qd from positions:
+//! one least-squares slope per joint and recording, both sides low-passed as the positions are.
+
+use super::columns::Blocks;
+use super::evidence::Evidence;
+use super::rank::effective_shares;
+use super::{BeforeAfter, Cause, Checked, Settings, Value};
+use crate::effects::{Motion, find};
+use crate::series::JointSeries;
+use crate::signals::{LowPass, central_difference};
+use crate::statistics::normal_quantile;
+
+const EFFECT: &str = "velocity_lag";
+/// Of the interval.
+const LEVEL: f64 = 0.9;
+/// Standard deviations from none, on both recordings.
+const CLEAR: f64 = 5.0;
+/// Of the mean square of qd - qd_r: less taken off the check recording is no finding.
+const LEAST_SHARE: f64 = 0.05;
+/// Standard deviations within which joints lag alike.
+const ALIKE: f64 = 4.0;
+/// That a lag found this clearly is none.
+const DOUBT: f64 = 0.03;
+
+/// A lag of one joint, s.
+#[derive(Debug, Clone, Copy)]
+struct Lag {
+    value: f64,
+    sd: f64,
+}
+
+/// A recorded velocity that lags.
+#[derive(Debug, Clone)]
+pub struct Lagging {
+    /// From 0; all joints where they lag alike.
+    joints: Vec<usize>,
+    /// All alike, or one joint.
+    lag: Lag,
+    whole_arm: bool,
+    shrink: Checked,
+}
+
+/// The recorded velocity and what it has to answer for.
+struct Channel {
+    /// d(qd_r)/dt, and qd - qd_r, at the rows of the evidence.
+    slope: Blocks,
+    error: Blocks,
+    /// qd_r, low-passed, rad/s.
+    velocity: JointSeries,
+}
+
+/// The lag both recordings agree on; `None` where velocities are not recorded, or follow.
+pub fn lagging(fit: &Evidence<'_>, check: &Evidence<'_>, settings: &Settings) -> Option<Lagging> {
+    let channels = [channel(fit)?, channel(check)?];
+    let joints = 0..fit.joints();
+    let known = |j: usize| {
+        find(EFFECT).and_then(|e| fit.twin.values_at(e, j)).map_or(0.0, |values| values[0])
+    };
+    let more = |lag: Lag, j: usize| Lag { value: lag.value - known(j), ..lag };
+    let both = |j: usize| channels.each_ref().map(|c| more(slope(c, j), j));
+    let late: Vec<(usize, Lag)> = joints.filter_map(|j| agreed(j, both(j), &channels[1])).collect();
+    let strongest = late.iter().max_by(|a, b| a.1.z().total_cmp(&b.1.z()))?;
+    let all = pooled(&late);
+    let alike =
+        |(_, lag): &(usize, Lag)| (lag.value - all.value).abs() < ALIKE * lag.sd.hypot(all.sd);
+    let moving = fit.rows.iter().filter(|rows| !rows.is_empty()).count();
+    let whole_arm = late.len() == moving && late.len() > 1 && late.iter().all(alike);
+    let (joints, lag) = match whole_arm {
+        true => (late.iter().map(|(j, _)| *j).collect(), all),
+        false => (vec![strongest.0], strongest.1),
+    };
+    let shrink = in_torque(check, &channels[1], &joints, lag.value, settings.seed);
+    Some(Lagging { joints, lag, whole_arm, shrink })
+}
+
+fn channel(evidence: &Evidence<'_>) -> Option<Channel> {
+    let samples = evidence.samples;
+    let recorded = samples.recorded_qd.as_ref()?;
+    let how = &samples.conditioning;
+    let filter =
+        LowPass::if_wanted(how.motion_cutoff_hz, samples.rate_hz(), how.filter_order).ok()?;
+    let velocity = recorded.map_joints(|_, qd| {
+        let mut rows = [qd.to_vec()];
+        filter.iter().for_each(|f| f.apply_many(&mut rows));
+        let [qd] = rows;
+        qd
+    });
+    let at_rows = |series: &JointSeries| {
+        let rows = evidence.rows.iter().enumerate();
+        Blocks(rows.map(|(j, rows)| rows.iter().map(|&k| series.joint(j)[k]).collect()).collect())
+    };
+    let slope = at_rows(&velocity.map_joints(|_, qd| central_difference(qd, samples.dt)));
+    let mut error = at_rows(&samples.qd);
+    error.add_scaled(-1.0, &at_rows(&velocity));
+    Some(Channel { slope, error, velocity })
+}
+
+/// T of one joint by least squares; samples counted by what is independent of what is left.
+fn slope(channel: &Channel, j: usize) -> Lag {
+    let information = channel.slope.dot(&channel.slope, j);
+    if information <= 0.0 {
+        return Lag { value: 0.0, sd: f64::INFINITY };
+    }
+    let value = channel.error.dot(&channel.slope, j) / information;
+    let left: Vec<f64> = channel
+        .error
+        .joint(j)
+        .iter()
+        .zip(channel.slope.joint(j))
+        .map(|(e, s)| e - value * s)
+        .collect();
+    let power = left.iter().map(|r| r * r).sum::<f64>() / left.len() as f64;
+    let share = effective_shares(&Blocks(vec![left]))[0];
+    Lag { value, sd: (power / (share * information)).sqrt() }
+}
+
+impl Lag {
+    fn z(&self) -> f64 {
+        self.value / self.sd
+    }
+}
+
+/// A joint that lags on both recordings, and what it takes off the second.
+fn agreed(j: usize, [fit, check]: [Lag; 2], on_check: &Channel) -> Option<(usize, Lag)> {
+    let clear = fit.z() > CLEAR && check.z() > CLEAR;
+    let [power, cross, slope] = [
+        on_check.error.dot(&on_check.error, j),
+        on_check.error.dot(&on_check.slope, j),
+        on_check.slope.dot(&on_check.slope, j),
+    ];
+    let taken = (2.0 * fit.value * cross - fit.value.powi(2) * slope) / power;
+    (clear && taken > LEAST_SHARE).then_some((j, fit))
+}
+
+/// Mean by information.
+fn pooled(late: &[(usize, Lag)]) -> Lag {
+    let information: f64 = late.iter().map(|(_, l)| l.sd.powi(-2)).sum();
+    let value = late.iter().map(|(_, l)| l.value * l.sd.powi(-2)).sum::<f64>() / information;
+    Lag { value, sd: information.powf(-0.5) }
+}
+
+/// The torque a twin would be wrong by if it were fed the recorded velocity, before and after it is
+/// led by the lag.
+fn in_torque(
+    evidence: &Evidence<'_>,
+    channel: &Channel,
+    joints: &[usize],
+    lag: f64,
+    seed: u64,
+) -> Checked {
+    let samples = evidence.samples;
+    let by_time = |x: &JointSeries| x.map_joints(|_, x| central_difference(x, samples.dt));
+    let led = |by: f64| {
+        let mut qd = samples.qd.clone();
+        let slope = by_time(&channel.velocity);
+        for &j in joints {
+            let both = channel.velocity.joint(j).iter().zip(slope.joint(j));
+            qd.joint_mut(j).iter_mut().zip(both).for_each(|(qd, (v, s))| *qd = v + by * s);
+        }
+        let qdd = by_time(&qd);
+        let robot = &evidence.twin.robot;
+        let fed = Motion { robot, qd: &qd, qdd: &qdd, ..evidence.motion(robot) };
+        let wrong = evidence.twin.torque(&fed);
+        wrong.map_joints(|j, w| w.iter().zip(evidence.known.joint(j)).map(|(w, k)| w - k).collect())
+    };
+    let (before, after, masks) = (led(0.0), led(lag), evidence.masks());
+    BeforeAfter { samples, before: &before, after: &after, masks: &masks }.checked(seed)
+}
+
+impl Lagging {
+    /// `None` where the effect is taken out of the catalogue.
+    pub fn cause(&self, settings: &Settings) -> Option<Cause> {
+        if settings.without.iter().any(|name| name == EFFECT) {
+            return None;
+        }
+        let about = find(EFFECT)?.about();
+        let half = normal_quantile(1.0 - LEVEL) * self.lag.sd;
+        let value = Value {
+            name: EFFECT.into(),
+            unit: "s".into(),
+            value: self.lag.value,
+            low: (self.lag.value - half).max(0.0),
+            high: self.lag.value + half,
+            at_bound: false,
+        };
+        Some(Cause {
+            effect: about.name.into(),
+            joints: self.named(),
+            probability: 1.0 - DOUBT,
+            equivalent: vec![],
+            parameters: vec![value],
+            shrink: self.shrink,
+            cause: about.cause.into(),
+            remedy: about.remedy.into(),
+        })
+    }
+
+    /// From 1; none for the whole arm.
+    fn named(&self) -> Vec<usize> {
+        match self.whole_arm {
+            true => vec![],
+            false => self.joints.iter().map(|j| j + 1).collect(),
+        }
+    }
+
+    pub fn says(&self) -> String {
+        let place = match &self.joints[..] {
+            [j] if !self.whole_arm => format!("of joint {}", j + 1),
+            _ => "of all joints".into(),
+        };
+        format!(
+            "recorded velocities {place} lag {:.1} ms behind the positions; motion is made from \
+             positions here, so that the torque gap does not contain it",
+            1e3 * self.lag.value
+        )
+    }
+}
