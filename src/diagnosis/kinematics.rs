@@ -20,6 +20,8 @@ const LEVEL: f64 = 0.9;
 const CLEAR: f64 = 5.0;
 /// Of the mean square of qd - qd_r: less taken off the check recording is no finding.
 const LEAST_SHARE: f64 = 0.05;
+/// Of the sample interval: positions and velocities are not taken at one instant better than this.
+const SIMULTANEOUS: f64 = 1.0 / 16.0;
 /// Standard deviations within which joints lag alike.
 const ALIKE: f64 = 4.0;
 /// That a lag found this clearly is none.
@@ -61,7 +63,9 @@ pub fn lagging(fit: &Evidence<'_>, check: &Evidence<'_>, settings: &Settings) ->
     };
     let more = |lag: Lag, j: usize| Lag { value: lag.value - known(j), ..lag };
     let both = |j: usize| channels.each_ref().map(|c| more(slope(c, j), j));
-    let late: Vec<(usize, Lag)> = joints.filter_map(|j| agreed(j, both(j), &channels[1])).collect();
+    let agreed = joints.filter_map(|j| agreed(j, both(j), &channels[1]));
+    let least = SIMULTANEOUS * fit.samples.dt;
+    let late: Vec<(usize, Lag)> = agreed.filter(|(_, lag)| lag.value > least).collect();
     let strongest = late.iter().max_by(|a, b| a.1.z().total_cmp(&b.1.z()))?;
     let all = pooled(&late);
     let alike =

@@ -176,8 +176,8 @@ pub fn effective_shares(residual: &Blocks) -> Vec<f64> {
 }
 
 /// The first parameter of the last cause that sits at a bound: a linear one at the end of its
-/// range or held at zero by its sign beside others that are not, a nonlinear one at the end of its
-/// range unless a search starts there.
+/// range or held at zero by its sign where the effect is none without it, a nonlinear one at the
+/// end of its range unless a search starts there.
 fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
     let last = fit.model.causes.len() - 1;
     let candidate = fit.model.causes[last].candidate;
@@ -188,7 +188,9 @@ fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
         let near = 1e-3 * (p.max - p.min);
         let at_end = *v <= p.min + 1e-3 * p.min.abs() || *v >= p.max - near;
         let at = match p.role {
-            Role::Linear if held[i] => several && p.min == 0.0,
+            Role::Linear if held[i] => {
+                i == 0 && several && !candidate.effect.is_itself(&values[..held.len()])
+            }
             Role::Linear => at_end && *v != p.null,
             Role::Nonlinear => {
                 let k = i - candidate.linear();

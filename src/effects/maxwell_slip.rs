@@ -69,6 +69,11 @@ impl Effect for MaxwellSlip {
         starts::spread_over(ABOUT.parameters, 3e-4, 0.03)
     }
 
+    /// Any two springs make a hysteresis that one would not.
+    fn is_itself(&self, linear: &[f64]) -> bool {
+        linear.iter().filter(|level| **level != 0.0).count() > 1
+    }
+
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
         let q = motion.q.joint(joint);
         let element = |share: f64| along(q, |z, dq| slip(z, dq, share * nonlinear[0]));

@@ -213,6 +213,12 @@ pub trait Effect: Sync {
     /// (a gap, a compliance), sets that reference. The columns are then worked out again.
     fn settle(&self, _linear: &[f64], _nonlinear: &mut [f64]) {}
 
+    /// Explain: is it still this effect with these linear parameters, some of which a sign constraint
+    /// holds at zero? A load without mass is none.
+    fn is_itself(&self, linear: &[f64]) -> bool {
+        linear.first().is_some_and(|first| *first != 0.0)
+    }
+
     /// Explain: how large the linear parameters at `joint` can be expected to be, standard
     /// deviations; empty where nothing is known beforehand.
     fn expected(&self, _robot: &Robot, _joint: usize) -> Vec<f64> {
