@@ -222,3 +222,63 @@ impl Lagging {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    use super::*;
+    use crate::diagnosis::noise_floor;
+    use crate::diagnosis::testing::samples;
+    use crate::signals::Samples;
+    use crate::twin::Twin;
+
+    /// Six joints moving by sines; velocities recorded `late` s late (a first-order lag follows a
+    /// sine of frequency w late by atan(w T) / w and smaller by 1 / sqrt(1 + w^2 T^2)), and noisy.
+    fn moving(late: impl Fn(usize) -> f64, seed: u64) -> Samples {
+        let wave = |j: usize| 1.0 + 0.3 * j as f64;
+        let mut made = samples(6, 4000, |j, t| 0.5 * (wave(j) * t).sin());
+        let twin = Twin::default();
+        made.torque = twin.torque(&twin.motion(&made));
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let noise = Normal::new(0.0, 1.5e-3).unwrap();
+        let recorded = made.qd.map_joints(|j, qd| {
+            let (w, lag) = (wave(j), late(j));
+            let (turn, gain) = ((w * lag).atan(), 1.0 / (1.0 + (w * lag).powi(2)).sqrt());
+            let at = |k: usize| gain * 0.5 * w * (w * k as f64 * 0.008 - turn).cos();
+            (0..qd.len()).map(|k| at(k) + noise.sample(&mut rng)).collect()
+        });
+        made.recorded_qd = Some(recorded);
+        made
+    }
+
+    fn found(late: impl Fn(usize) -> f64 + Copy) -> Option<Lagging> {
+        let twin = Twin::default();
+        let (fit, check) = (moving(late, 1), moving(late, 2));
+        let floors = [noise_floor(&fit, &twin), noise_floor(&check, &twin)];
+        let [fit, check] = [(&fit, &floors[0]), (&check, &floors[1])]
+            .map(|(s, floor)| Evidence::new(&twin, s, floor).unwrap());
+        lagging(&fit, &check, &Settings::default())
+    }
+
+    #[test]
+    fn a_lag_of_all_joints_is_one_cause_and_closes_its_own_gap() {
+        let lag = found(|_| 0.01).unwrap();
+        let cause = lag.cause(&Settings::default()).unwrap();
+        let value = &cause.parameters[0];
+        assert!(cause.joints.is_empty() && value.low < 0.01 && 0.01 < value.high, "{cause:?}");
+        assert!((value.value - 0.01).abs() < 2e-4 && cause.shrink.fraction > 0.5, "{cause:?}");
+        let without = Settings { without: vec![EFFECT.into()], ..Settings::default() };
+        assert!(lag.cause(&without).is_none());
+    }
+
+    #[test]
+    fn one_joint_lags_or_none() {
+        let lag = found(|j| if j == 2 { 0.01 } else { 0.0 }).unwrap();
+        assert_eq!(lag.cause(&Settings::default()).unwrap().joints, [3]);
+        assert!(found(|_| 0.0).is_none());
+        assert!(found(|_| 2e-4).is_none(), "channels are not simultaneous that well");
+    }
+}

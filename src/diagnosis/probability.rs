@@ -32,6 +32,13 @@ pub fn of_unknown(remains: &Remains, joints: &[usize]) -> f64 {
     }
 }
 
+/// That something is at work although no cause could be told, by what stands out where the arm
+/// moves.
+pub fn of_something(remains: &Remains) -> f64 {
+    let worst = remains.before.iter().copied().fold(1.0, f64::max);
+    logistic(STEEP_LEFT * (worst / SYSTEMATIC).ln())
+}
+
 fn logistic(x: f64) -> f64 {
     1.0 / (1.0 + (-x).exp())
 }
@@ -72,5 +79,17 @@ mod tests {
             chi2_per_sample: vec![30.0; 2],
         };
         assert!(of_unknown(&inexact, &[0]) < 0.05);
+    }
+
+    #[test]
+    fn without_a_cause_what_stands_out_decides() {
+        let remains = |before: f64| Remains {
+            before: vec![1.1, before],
+            after: vec![1.1, before],
+            chi2_before: vec![1.0; 2],
+            chi2_per_sample: vec![1.0; 2],
+        };
+        assert!(of_something(&remains(1.2)) < 0.15);
+        assert!(of_something(&remains(8.0)) > 0.99);
     }
 }

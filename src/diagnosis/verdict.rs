@@ -77,9 +77,8 @@ impl<'a, 'e> Findings<'a, 'e> {
     pub fn answer(&self) -> Diagnosis {
         let accepted = self.accepted();
         let remains = Remains::new(self.search.check, &self.start.residual, &self.last.residual);
-        let all: Vec<usize> = (0..self.search.fit.joints()).collect();
         let unknown = match accepted.is_empty() {
-            true => probability::of_unknown(&remains, &all),
+            true => probability::of_something(&remains),
             false if self.is_crowded() => CROWDED,
             false => probability::of_unknown(&remains, &self.touched()),
         };
