@@ -23,7 +23,7 @@ use crate::twin::{PerJoint, Twin};
 #[command(after_help = "Example: armtwin demo --out demo
 
 Writes DIR/fit.csv and check.csv (the recordings), truth.json (what was hidden in them),
-diagnosis.json (what the identified twin lacks), twin.toml (the twin with all that was found) and
+diagnosis.json (what the identified twin lacks), report.html (the same with pictures), twin.toml (the twin with all that was found) and
 twin.rrd (that twin beside check.csv, for the viewer). The scenario is scenarios/ur5_friction.toml
 with a torque ripple on joint 3, which identification does not look for.")]
 pub struct Args {

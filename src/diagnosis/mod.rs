@@ -17,6 +17,7 @@ mod mend;
 mod model;
 mod probability;
 mod rank;
+mod reasons;
 mod regimes;
 mod repeats;
 mod revise;
@@ -28,6 +29,7 @@ mod surrogates;
 mod system;
 #[cfg(test)]
 mod testing;
+mod traces;
 mod untestable;
 mod verdict;
 pub mod words;
@@ -41,7 +43,9 @@ pub use conditioning::conditioning;
 pub use floor::{Floor, FloorFrom, noise_floor};
 pub use gap::gap;
 pub use mend::mend;
+pub use reasons::by_reason;
 pub use shrink::{BeforeAfter, torque_shrink};
+pub use traces::{Held, JointTraces, Traces};
 
 use crate::signals::Samples;
 use crate::twin::Twin;
@@ -93,11 +97,27 @@ pub fn diagnose(
     check: &Samples,
     settings: &Settings,
 ) -> Result<Diagnosis, DiagnosisError> {
+    Ok(diagnose_traced(twin, fit, check, settings)?.0)
+}
+
+/// The same with what it rests on, sample by sample.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_traced(
+    twin: &Twin,
+    fit: &Samples,
+    check: &Samples,
+    settings: &Settings,
+) -> Result<(Diagnosis, Traces), DiagnosisError> {
     let (fit, check) = (twin.correct(fit), twin.correct(check));
     let floors = [noise_floor(&fit, twin), noise_floor(&check, twin)];
     let evidence = |samples, floor| evidence::Evidence::new(twin, samples, floor);
     let (fit, check) = (evidence(&fit, &floors[0])?, evidence(&check, &floors[1])?);
     let candidates = candidate::candidates(twin, &settings.without);
     let search = select::Search { fit: &fit, check: &check, settings, candidates };
-    Ok(verdict::findings(&search, &floors[1]).answer())
+    let findings = verdict::findings(&search, &floors[1]);
+    let answer = findings.answer();
+    let traces = Traces::new(&findings, &answer);
+    Ok((answer, traces))
 }

@@ -1,9 +1,12 @@
-//! Tables and files a person or a program reads.
+//! Tables and pages a person reads.
 
+pub mod html;
 mod markdown;
 mod paragraph;
+mod rounded;
 mod table;
 
 pub use markdown::markdown_table;
 pub use paragraph::paragraph;
+pub use rounded::to_uncertainty;
 pub use table::table;

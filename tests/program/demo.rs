@@ -4,7 +4,7 @@ use std::fs;
 
 use tempfile::TempDir;
 
-use super::armtwin;
+use super::{armtwin, browser};
 
 #[test]
 fn the_demo_finds_what_it_hid() {
@@ -19,6 +19,9 @@ fn the_demo_finds_what_it_hid() {
     for file in ["fit.csv", "check.csv", "truth.json", "twin.toml", "diagnosis.json"] {
         assert!(fs::metadata(folder.join(file)).unwrap().len() > 100, "{file}");
     }
+    let sections = ["causes", "gap", "friction", "residual", "ranking", "shrink", "left", "about"];
+    // Torque over speed of six joints, five plots of what is left at the open one.
+    browser::assert_sound(&folder.join("report.html"), &sections, 6 + 5);
     #[cfg(feature = "viewer")]
     assert!(fs::metadata(folder.join("twin.rrd")).unwrap().len() > 100_000);
 }

@@ -1,5 +1,6 @@
 //! Tests of the program as a user runs it, one file per command.
 
+mod browser;
 mod compare;
 mod demo;
 mod deploy;

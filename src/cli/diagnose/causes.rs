@@ -1,8 +1,8 @@
 //! What the twin lacks, and what was set aside.
 
 use super::page::titled;
-use crate::diagnosis::{Cause, Diagnosis, Named, Value, words};
-use crate::report::{paragraph, table};
+use crate::diagnosis::{Cause, Diagnosis, Named, Value, by_reason, words};
+use crate::report::{paragraph, table, to_uncertainty};
 
 pub fn section(causes: &[Cause]) -> String {
     let body: Vec<String> = causes.iter().map(cause).collect();
@@ -48,75 +48,19 @@ fn named(n: &Named) -> String {
 
 fn value(v: &Value) -> Vec<String> {
     let bound = if v.at_bound { "at bound" } else { "" };
-    vec![
-        format!("  {}", v.name),
-        v.unit.clone(),
-        number(v.value),
-        number(v.low),
-        number(v.high),
-        bound.into(),
-    ]
-}
-
-/// Four digits.
-fn number(x: f64) -> String {
-    match x.abs() {
-        0.0 => "0".into(),
-        a if !(1e-3..1e5).contains(&a) => format!("{x:.3e}"),
-        a if a < 1.0 => format!("{x:.5}"),
-        a if a < 100.0 => format!("{x:.3}"),
-        _ => format!("{x:.1}"),
-    }
+    let [value, low, high] = to_uncertainty(v.value, v.low, v.high);
+    vec![format!("  {}", v.name), v.unit.clone(), value, low, high, bound.into()]
 }
 
 /// What cannot be tested and what was rejected, grouped by reason.
 pub fn set_aside(d: &Diagnosis) -> String {
     let untestable = d.untestable.iter().map(|u| (&*u.effect, &*u.joints, &*u.why));
     let rejected = d.rejected.iter().map(|r| (&*r.effect, &*r.joints, &*r.why));
-    titled("What these data cannot test", &by_reason(untestable))
-        + &titled("Rejected", &by_reason(rejected))
+    titled("What these data cannot test", &grouped(untestable))
+        + &titled("Rejected", &grouped(rejected))
 }
 
-/// An effect and the joints it is listed for.
-type Listed<'a> = (&'a str, Vec<usize>);
-
-fn by_reason<'a>(all: impl Iterator<Item = (&'a str, &'a [usize], &'a str)>) -> String {
-    let mut groups: Vec<(String, Vec<Listed<'_>>)> = Vec::new();
-    for (effect, joints, why) in all {
-        let shared = |g: &(String, _)| common(&g.0, why);
-        let at = match groups.iter().position(|g| shared(g).is_some()) {
-            Some(at) => at,
-            None => {
-                groups.push((why.into(), Vec::new()));
-                groups.len() - 1
-            }
-        };
-        groups[at].0 = shared(&groups[at]).unwrap_or_default();
-        match groups[at].1.iter_mut().find(|e| e.0 == effect) {
-            Some(found) => found.1.extend(joints),
-            None => groups[at].1.push((effect, joints.to_vec())),
-        }
-    }
-    let each = |(effect, joints): &Listed<'_>| match joints.is_empty() {
-        true => (*effect).to_string(),
-        false => format!("{effect} ({})", words::place(joints)),
-    };
-    let line = |(why, effects): &(String, Vec<Listed<'_>>)| {
-        let effects: Vec<String> = effects.iter().map(each).collect();
-        paragraph("  ", &format!("{why}: {}", effects.join(", ")))
-    };
-    groups.iter().map(line).collect()
-}
-
-/// What two reasons share that differ in numbers only, `..` in place of those; `None` for others.
-fn common(a: &str, b: &str) -> Option<String> {
-    let number = |word: &str| word == ".." || word.starts_with(|c: char| c.is_ascii_digit());
-    let (a, b): (Vec<&str>, Vec<&str>) = (a.split(' ').collect(), b.split(' ').collect());
-    let word = |(a, b): (&&str, &&str)| match (a == b, number(a) && number(b)) {
-        (true, _) => Some(a.to_string()),
-        (false, true) => Some("..".into()),
-        (false, false) => None,
-    };
-    let words: Option<Vec<String>> = a.iter().zip(&b).map(word).collect();
-    words.filter(|_| a.len() == b.len()).map(|words| words.join(" "))
+fn grouped<'a>(all: impl Iterator<Item = (&'a str, &'a [usize], &'a str)>) -> String {
+    let line = |[why, effects]: [String; 2]| paragraph("  ", &format!("{why}: {effects}"));
+    by_reason(all).into_iter().map(line).collect()
 }

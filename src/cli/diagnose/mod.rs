@@ -17,7 +17,7 @@ use anyhow::{Context, bail};
 use self::load::Recorded;
 use super::conditioning::ConditioningArgs;
 use super::progress;
-use crate::diagnosis::{self, Diagnosis, Settings, mend};
+use crate::diagnosis::{self, Diagnosis, Settings, Traces, mend};
 use crate::effects;
 use crate::recording::Recording;
 use crate::twin::Twin;
@@ -33,8 +33,9 @@ use crate::twin::Twin;
   armtwin diagnose --fit Movement_No6 --check Movement_No7 --twin scenarios/twins/ur5_paper.toml
   armtwin diagnose --fit fit.csv --check check.csv --without payload,link_inertia --json out.json
 
-Writes DIR/diagnosis.json and DIR/twin.toml, the twin with the causes and the fitted friction in it:
-held against the arm again, that twin shows what is left. Motion comes from the recorded command
+Writes DIR/diagnosis.json, DIR/report.html (the same with pictures, for any browser) and
+DIR/twin.toml, the twin with the causes and the fitted friction in it: held against the arm again,
+that twin shows what is left. Motion comes from the recorded command
 plus the smoothed tracking error where a command is recorded, else from the measured position.")]
 pub struct Args {
     /// Recording to search causes on: file, or folder with one log per signal
@@ -49,7 +50,7 @@ pub struct Args {
     /// Column map (TOML) of CSVs without RTDE names
     #[arg(long, value_name = "MAP.toml")]
     columns: Option<PathBuf>,
-    /// Folder for diagnosis.json and twin.toml
+    /// Folder for diagnosis.json, report.html and twin.toml
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Effects to take out of the catalogue
@@ -94,6 +95,7 @@ pub(super) struct Diagnosed {
     pub fit: Recorded,
     pub check: Recorded,
     pub diagnosis: Diagnosis,
+    pub traces: Traces,
     /// Wall-clock, s.
     pub seconds: f64,
 }
@@ -107,10 +109,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             .with_context(|| format!("--out {}: cannot be made", out.display()))?;
     }
     let done = diagnose(twin, recordings, settings, !args.no_simulation)?;
-    print!("{}", page::page(&done));
     if let Some(out) = &args.out {
         output::write(&done, out)?;
-        println!("\n{}: diagnosis.json, twin.toml", out.display());
+    }
+    print!("{}", page::page(&done));
+    if let Some(out) = &args.out {
+        println!("\n{}: {}", out.display(), output::FILES.join(", "));
     }
     if let Some(path) = &args.json {
         output::json(&done, path).with_context(|| format!("--json {}", path.display()))?;
@@ -128,7 +132,8 @@ pub(super) fn diagnose(
 ) -> anyhow::Result<Diagnosed> {
     let clock = Instant::now();
     let spinner = progress::spinner("searching for what the twin lacks");
-    let found = diagnosis::diagnose(&twin, &fit.samples, &check.samples, &settings)?;
+    let (found, traces) =
+        diagnosis::diagnose_traced(&twin, &fit.samples, &check.samples, &settings)?;
     let mended = mend(&twin, &found.fitted, &found.causes);
     let mut diagnosis = found;
     if simulate {
@@ -137,7 +142,7 @@ pub(super) fn diagnose(
     }
     spinner.finish_and_clear();
     let seconds = clock.elapsed().as_secs_f64();
-    Ok(Diagnosed { twin, mended, settings, fit, check, diagnosis, seconds })
+    Ok(Diagnosed { twin, mended, settings, fit, check, diagnosis, traces, seconds })
 }
 
 impl Args {

@@ -6,9 +6,11 @@ use anyhow::Context;
 use serde::Serialize;
 
 use super::Diagnosed;
+use super::page::facts;
 use crate::diagnosis::{Diagnosis, Settings, words};
 use crate::files::write_whole;
 use crate::recording::Provenance;
+use crate::report::html::{DiagnosisReport, diagnosis_report};
 use crate::signals::Conditioning;
 
 /// `diagnosis.json`: the diagnosis, and everything that led to it.
@@ -35,11 +37,36 @@ struct Source<'a> {
     signals: &'a [String],
 }
 
+/// What is written.
+pub const FILES: [&str; 3] = ["diagnosis.json", "report.html", "twin.toml"];
+
 /// `out` exists.
 pub fn write(done: &Diagnosed, out: &Path) -> anyhow::Result<()> {
     let name = |file: &str| format!("cannot write {}", out.join(file).display());
     json(done, &out.join("diagnosis.json")).with_context(|| name("diagnosis.json"))?;
+    let report = report(done)?;
+    write_whole(&out.join("report.html"), |file| file.write_all(report.as_bytes()))
+        .with_context(|| name("report.html"))?;
     Ok(done.mended.save(&out.join("twin.toml"))?)
+}
+
+fn report(done: &Diagnosed) -> anyhow::Result<String> {
+    let settings = toml::to_string(&done.settings)?;
+    let conditioning = toml::to_string(&done.fit.samples.conditioning)?;
+    let mut facts = facts(done);
+    facts.push(("seed".into(), done.settings.seed.to_string()));
+    facts.push(("armtwin".into(), format!("{}, {:.1} s", done.diagnosis.armtwin, done.seconds)));
+    Ok(diagnosis_report(&DiagnosisReport {
+        diagnosis: &done.diagnosis,
+        traces: &done.traces,
+        facts: &facts,
+        files: &[
+            ("The mended twin (twin.toml)", done.mended.to_toml()),
+            ("The twin as given", done.twin.to_toml()),
+            ("Settings of the search", settings),
+            ("Conditioning of the recordings", conditioning),
+        ],
+    }))
 }
 
 pub fn json(done: &Diagnosed, path: &Path) -> anyhow::Result<()> {

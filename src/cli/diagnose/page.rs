@@ -2,6 +2,7 @@
 
 use super::{Diagnosed, causes, gap};
 use crate::diagnosis::{Diagnosis, Ranked, words};
+use crate::report::html::Fact;
 use crate::report::{paragraph, table};
 
 /// Ranked candidates that are printed, besides "none" and "unknown".
@@ -116,30 +117,39 @@ fn next(d: &Diagnosis) -> String {
 }
 
 fn circumstances(done: &Diagnosed) -> String {
-    let (d, s) = (&done.diagnosis, &done.settings);
-    let mut text =
-        format!("armtwin {}  diagnose  seed {}  {:.1} s\n", d.armtwin, s.seed, done.seconds);
-    text += &paragraph("  robot    ", &done.twin.source);
+    let d = &done.diagnosis;
+    let seed = done.settings.seed;
+    let mut text = format!("armtwin {}  diagnose  seed {seed}  {:.1} s\n", d.armtwin, done.seconds);
+    for (what, said) in facts(done) {
+        text += &paragraph(&format!("  {what:8} "), &said);
+    }
+    d.notes.iter().for_each(|note| text += &paragraph("  note     ", note));
+    text
+}
+
+/// What was diagnosed, and how.
+pub fn facts(done: &Diagnosed) -> Vec<Fact> {
+    let s = &done.settings;
+    let mut facts = vec![("robot".to_string(), done.twin.source.clone())];
     for (what, r) in [("fit", &done.fit), ("check", &done.check)] {
         let from = &r.recording.provenance;
-        text += &paragraph(&format!("  {what:8} "), &format!("{} ({})", from.source, from.format));
+        facts.push((what.into(), format!("{} ({})", from.source, from.format)));
         let notes = from.notes.iter().chain(&r.samples.notes);
-        notes.for_each(|note| text += &paragraph("           ", note));
+        facts.extend(notes.map(|note| (String::new(), note.clone())));
     }
     let without = match s.without.is_empty() {
         true => "nothing".into(),
         false => s.without.join(", "),
     };
-    text += &paragraph(
-        "  settings ",
-        &format!(
+    facts.push((
+        "settings".into(),
+        format!(
             "{} surrogates, link masses known to {:.0} %, centres to {:.0} mm, taken out of the \
              catalogue: {without}",
             s.surrogates,
             100.0 * s.mass_error,
             1e3 * s.centre_error_m
         ),
-    );
-    d.notes.iter().for_each(|note| text += &paragraph("  note     ", note));
-    text
+    ));
+    facts
 }

@@ -1,0 +1,105 @@
+//! The report of `diagnose`: the answer and one picture first, then what it rests on.
+
+mod found;
+mod gap;
+mod plots;
+
+use maud::{Markup, html};
+
+use super::frame::{Fact, Page, Section, facts};
+use super::gap_chart::gap_chart;
+use super::table::explained;
+use crate::diagnosis::{Diagnosis, Traces, by_reason, words};
+
+pub struct DiagnosisReport<'a> {
+    pub diagnosis: &'a Diagnosis,
+    pub traces: &'a Traces,
+    /// Robot, recordings, settings, seed, version.
+    pub facts: &'a [Fact],
+    /// Files worth showing whole: name and text.
+    pub files: &'a [(&'a str, String)],
+}
+
+/// The whole file.
+pub fn diagnosis_report(report: &DiagnosisReport<'_>) -> String {
+    let d = report.diagnosis;
+    let sections = vec![
+        Section::new("causes", "Which effect: causes, strongest first", found::causes(d)),
+        Section::new("gap", "Where the twin differs", gap::tables(d, report.traces)),
+        Section::new("friction", "Torque over speed", plots::friction(report.traces)),
+        Section::new("residual", "What is left, and where", plots::residuals(d, report.traces)),
+        Section::new("ranking", "Every candidate", found::ranking(&d.ranking)),
+        Section::new("shrink", "How far the gap shrinks", found::shrink(d)),
+        Section::new("untestable", "What these data cannot test", untestable(d)),
+        Section::new("rejected", "Rejected", rejected(d)),
+        Section::new("left", left_title(d), left(d)),
+        Section::new("next", "Next experiment", next(d)),
+        Section::new("about", "Recordings, settings, version", about(report)),
+    ];
+    let kind = format!("armtwin {} diagnose", d.armtwin);
+    let answer = words::sentence(d);
+    Page { kind: &kind, answer: &answer, picture: gap_chart(d), sections }.html()
+}
+
+fn untestable(d: &Diagnosis) -> Markup {
+    let all = d.untestable.iter().map(|u| (&*u.effect, &*u.joints, &*u.why));
+    reasons(by_reason(all))
+}
+
+fn rejected(d: &Diagnosis) -> Markup {
+    let all = d.rejected.iter().map(|r| (&*r.effect, &*r.joints, &*r.why));
+    reasons(by_reason(all))
+}
+
+fn reasons(rows: Vec<[String; 2]>) -> Markup {
+    if rows.is_empty() {
+        html! {}
+    } else {
+        explained(["why", "effects"], rows)
+    }
+}
+
+fn left_title(d: &Diagnosis) -> String {
+    let what = if d.leftover.systematic { "something systematic" } else { "noise" };
+    format!("What is left: {what}")
+}
+
+fn left(d: &Diagnosis) -> Markup {
+    let list = |values: &[f64]| -> String {
+        values.iter().map(|x| format!("{x:.2}")).collect::<Vec<_>>().join(", ")
+    };
+    if d.leftover.chi2_per_sample.is_empty() {
+        return html! {};
+    }
+    html! {
+        @if !d.leftover.says.is_empty() { p { (found::sentence(&d.leftover.says)) } }
+        p {
+            "Mean square over that of the noise, joint by joint (1 for noise): "
+            (list(&d.leftover.chi2_per_sample)) "."
+        }
+        @if !d.leftover.in_motion_band.is_empty() {
+            p {
+                "Power where the arm moves over that where nothing moves (1 for noise): "
+                (list(&d.leftover.in_motion_band)) "."
+            }
+        }
+    }
+}
+
+fn next(d: &Diagnosis) -> Markup {
+    if d.next_experiment.is_empty() {
+        html! {}
+    } else {
+        html! { p { (found::sentence(&d.next_experiment)) } }
+    }
+}
+
+fn about(report: &DiagnosisReport<'_>) -> Markup {
+    html! {
+        (facts(report.facts))
+        @for note in &report.diagnosis.notes { p.note { (note) "." } }
+        @for (name, text) in report.files {
+            details { summary { (name) } pre { (text) } }
+        }
+    }
+}

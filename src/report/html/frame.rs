@@ -1,0 +1,92 @@
+//! What all reports share: head, answer, sections one after the other, plots that work offline.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+/// Everything a report is made from.
+pub struct Page<'a> {
+    /// What made it: `armtwin diagnose`.
+    pub kind: &'a str,
+    /// In one sentence.
+    pub answer: &'a str,
+    /// The first picture.
+    pub picture: Markup,
+    pub sections: Vec<Section>,
+}
+
+pub struct Section {
+    /// What a link ends in.
+    pub id: &'static str,
+    pub title: String,
+    pub body: Markup,
+}
+
+/// What is being said, and what is said of it.
+pub type Fact = (String, String);
+
+impl Section {
+    pub fn new(id: &'static str, title: impl Into<String>, body: Markup) -> Self {
+        Self { id, title: title.into(), body }
+    }
+}
+
+/// Nothing is fetched from anywhere, whatever a script may try.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
+                      img-src data: blob:";
+
+impl Page<'_> {
+    /// The whole file.
+    pub fn html(&self) -> String {
+        let sections: Vec<&Section> =
+            self.sections.iter().filter(|s| !s.body.0.is_empty()).collect();
+        let plots = sections.iter().any(|s| s.body.0.contains("class=\"plot"));
+        html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta http-equiv="Content-Security-Policy" content=(POLICY);
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    meta name="color-scheme" content="light dark";
+                    meta name="generator" content=(concat!("armtwin ", env!("CARGO_PKG_VERSION")));
+                    title { (self.kind) }
+                    style { (PreEscaped(include_str!("style.css"))) }
+                }
+                body {
+                    header id="answer" {
+                        p.kind { (self.kind) }
+                        h1 { (self.answer) }
+                        (self.picture)
+                        nav { @for s in &sections { a href={ "#" (s.id) } { (s.title) } } }
+                    }
+                    main { @for s in &sections { (section(s)) } }
+                    @if plots { (scripts()) }
+                }
+            }
+        }
+        .into_string()
+    }
+}
+
+fn section(s: &Section) -> Markup {
+    html! { section id=(s.id) { h2 { (s.title) } (s.body) } }
+}
+
+/// The plotting library, once, and what draws with it.
+fn scripts() -> Markup {
+    let all = plotly::Plot::offline_js_sources();
+    // The second script, for formulae, is as large again and not needed.
+    let end = "</script>";
+    let library = all.split_once(end).map_or(String::new(), |(first, _)| format!("{first}{end}"));
+    html! {
+        noscript {
+            p.note { "The plots need JavaScript; every number is in the text and the tables." }
+        }
+        (PreEscaped(library))
+        script { (PreEscaped(include_str!("plots.js"))) }
+    }
+}
+
+/// What is said of what.
+pub fn facts(facts: &[Fact]) -> Markup {
+    html! { dl { @for (what, text) in facts { dt { (what) } dd { (text) } } } }
+}

@@ -1,0 +1,177 @@
+//! Interactive plots: drawn in the reader's browser, in the page's colours.
+
+use maud::{Markup, PreEscaped, html};
+use plotly::common::{DashType, Font, Line, Marker, Mode, Title};
+use plotly::configuration::DisplayModeBar;
+use plotly::layout::{
+    Annotation, Axis, AxisRange, HoverMode, Margin, Shape, ShapeLayer, ShapeLine, ShapeType,
+};
+use plotly::{Configuration, Layout, Scatter};
+
+/// Digits that are kept of a value: a plot is no data store.
+const DIGITS: i32 = 4;
+
+/// Colours by role: variables of the style sheet.
+pub const BEFORE: &str = "--before";
+pub const AFTER: &str = "--after";
+pub const MEASURED: &str = "--measured";
+const REGIME: &str = "--regime";
+
+/// One set of points.
+pub struct Curve<'a> {
+    pub name: &'a str,
+    pub colour: &'static str,
+    pub x: Vec<f64>,
+    pub y: Vec<f64>,
+    /// Joined, with gaps where a value is not a number; else points.
+    pub joined: bool,
+}
+
+/// An interval on the horizontal axis.
+pub struct Band {
+    pub name: String,
+    pub from: f64,
+    pub to: f64,
+}
+
+pub struct Plot<'a> {
+    pub title: String,
+    pub across: &'a str,
+    pub up: &'a str,
+    pub curves: Vec<Curve<'a>>,
+    pub bands: Vec<Band>,
+    /// Over the whole width of the page, and lower.
+    pub whole: bool,
+}
+
+/// What the colours of the plots mean.
+pub fn key(entries: &[(&str, &str)]) -> Markup {
+    html! {
+        p.key {
+            @for (name, colour) in entries {
+                span { i style={ "background: var(" (colour) ")" } {} (name) }
+            }
+        }
+    }
+}
+
+impl Plot<'_> {
+    pub fn markup(&self) -> Markup {
+        let mut plot = plotly::Plot::new();
+        for curve in &self.curves {
+            plot.add_trace(curve.trace());
+        }
+        plot.set_layout(self.layout());
+        plot.set_configuration(
+            Configuration::new().responsive(true).display_mode_bar(DisplayModeBar::False),
+        );
+        // The text must not end the element it stands in.
+        let json = plot.to_json().replace("</", "<\\/");
+        let class = if self.whole { "plot low whole" } else { "plot" };
+        html! {
+            div class=(class) role="img" aria-label=(format!("{}: {} over {}", self.title, self.up, self.across)) {
+                script type="application/json" { (PreEscaped(json)) }
+                div style="height:100%" {}
+            }
+        }
+    }
+
+    fn layout(&self) -> Layout {
+        let axis = |title: &str| {
+            let font = Font::new().size(11).color("--quiet");
+            Axis::new()
+                .title(Title::with_text(title).font(font))
+                .grid_color("--line")
+                .zero_line_color("--line")
+                .line_color("--line")
+                .auto_margin(true)
+        };
+        let across = match self.extent() {
+            Some([low, high]) => axis(self.across).range(AxisRange::new(low, high)),
+            None => axis(self.across),
+        };
+        let title = Font::new().size(13).color("--ink");
+        Layout::new()
+            .title(Title::with_text(&self.title).font(title).x(0.0))
+            .font(Font::new().size(11).color("--ink"))
+            .paper_background_color("rgba(0,0,0,0)")
+            .plot_background_color("rgba(0,0,0,0)")
+            .margin(Margin::new().left(48).right(8).top(34).bottom(40))
+            .show_legend(false)
+            .hover_mode(HoverMode::Closest)
+            .x_axis(across)
+            .y_axis(axis(self.up))
+            .shapes(self.bands.iter().map(Band::shape).collect())
+            .annotations(
+                self.bands.iter().filter(|b| !b.name.is_empty()).map(Band::label).collect(),
+            )
+    }
+
+    /// Of the points, so that bands do not widen the plot.
+    fn extent(&self) -> Option<[f64; 2]> {
+        let values = self.curves.iter().flat_map(|c| &c.x).filter(|x| x.is_finite());
+        let (low, high) = values
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+        let room = 0.02 * (high - low);
+        (high > low).then(|| [rounded(low - room), rounded(high + room)])
+    }
+}
+
+impl Curve<'_> {
+    fn trace(&self) -> Box<Scatter<f64, f64>> {
+        let short = |values: &[f64]| values.iter().copied().map(rounded).collect::<Vec<f64>>();
+        let trace = Scatter::new(short(&self.x), short(&self.y)).name(self.name);
+        match self.joined {
+            true => trace
+                .mode(Mode::Lines)
+                .connect_gaps(false)
+                .line(Line::new().width(1.2).color(self.colour)),
+            false => trace
+                .mode(Mode::Markers)
+                .marker(Marker::new().size(4).opacity(0.55).color(self.colour)),
+        }
+    }
+}
+
+impl Band {
+    fn shape(&self) -> Shape {
+        Shape::new()
+            .shape_type(ShapeType::Rect)
+            .layer(ShapeLayer::Below)
+            .x_ref("x")
+            .y_ref("paper")
+            .x0(rounded(self.from))
+            .x1(rounded(self.to))
+            .y0(0.0)
+            .y1(1.0)
+            .fill_color(REGIME)
+            .opacity(0.16)
+            .line(ShapeLine::new().width(0.0).dash(DashType::Solid))
+    }
+
+    fn label(&self) -> Annotation {
+        Annotation::new()
+            .text(&self.name)
+            .x_ref("x")
+            .y_ref("paper")
+            .x(rounded(0.5 * (self.from + self.to)))
+            .y(0.0)
+            .y_anchor(plotly::common::Anchor::Bottom)
+            .show_arrow(false)
+            .font(Font::new().size(10).color("--quiet"))
+    }
+}
+
+/// To [`DIGITS`] digits.
+pub fn rounded(x: f64) -> f64 {
+    if x == 0.0 || !x.is_finite() {
+        return x;
+    }
+    let scale = 10f64.powi(DIGITS - 1 - x.abs().log10().floor() as i32);
+    // Division by a power of ten comes out as the nearest short number.
+    if scale >= 1.0 {
+        (x * scale).round() / scale
+    } else {
+        (x * scale).round() * (1.0 / scale).round()
+    }
+}

@@ -1,0 +1,51 @@
+// Draws every plot once it comes near the window, in the colours of the page.
+(() => {
+  "use strict";
+  const plots = [...document.querySelectorAll(".plot")];
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const touch = matchMedia("(pointer: coarse)").matches;
+  const drawn = new Set();
+
+  // Colours are written as names of the style sheet's variables.
+  const coloured = (value, style) => {
+    if (typeof value === "string") {
+      return value.startsWith("--") ? style.getPropertyValue(value).trim() : value;
+    }
+    if (Array.isArray(value)) {
+      return value.length && typeof value[0] === "object" && value[0] !== null
+        ? value.map(v => coloured(v, style)) : value;
+    }
+    if (value === null || typeof value !== "object") return value;
+    return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, coloured(v, style)]));
+  };
+
+  const draw = plot => {
+    const style = getComputedStyle(document.documentElement);
+    const { data, layout, config } =
+      coloured(JSON.parse(plot.querySelector("script").textContent), style);
+    if (touch) layout.dragmode = false;
+    const target = plot.querySelector("div");
+    (drawn.has(plot) ? Plotly.react : Plotly.newPlot)(target, data, layout, config);
+    drawn.add(plot);
+  };
+  const redraw = () => drawn.forEach(draw);
+
+  const near = new IntersectionObserver(entries => {
+    for (const { isIntersecting, target } of entries) {
+      if (isIntersecting && !drawn.has(target)) draw(target);
+    }
+  }, { rootMargin: "600px" });
+  plots.forEach(plot => near.observe(plot));
+  dark.addEventListener("change", redraw);
+
+  // Paper is white and has everything on it.
+  addEventListener("beforeprint", () => {
+    document.documentElement.dataset.theme = "light";
+    document.querySelectorAll("details").forEach(d => { d.open = true; });
+    plots.forEach(draw);
+  });
+  addEventListener("afterprint", () => {
+    delete document.documentElement.dataset.theme;
+    redraw();
+  });
+})();

@@ -1,0 +1,38 @@
+//! Tables.
+
+use maud::{Markup, html};
+
+/// The first `left` columns are text, the rest numbers.
+pub fn table(header: &[&str], left: usize, rows: impl IntoIterator<Item = Vec<String>>) -> Markup {
+    let class = |i: usize| (i < left).then_some("text");
+    html! {
+        div.wide {
+            table {
+                thead {
+                    tr { @for (i, h) in header.iter().enumerate() { th class=[class(i)] { (h) } } }
+                }
+                tbody {
+                    @for row in rows {
+                        tr {
+                            @for (i, cell) in row.iter().enumerate() {
+                                td class=[class(i)] { (cell) }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Two columns, a name and a text.
+pub fn explained(header: [&str; 2], rows: impl IntoIterator<Item = [String; 2]>) -> Markup {
+    html! {
+        table {
+            thead { tr { @for h in header { th.text { (h) } } } }
+            tbody {
+                @for [name, text] in rows { tr { td.prose { (name) } td.prose { (text) } } }
+            }
+        }
+    }
+}
