@@ -1,11 +1,11 @@
 //! `armtwin demo`: the main job in one go, on an arm whose parameters are known.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Context;
 
-use super::{diagnose, simulate};
+use super::{diagnose, out, simulate, view};
 use crate::diagnosis;
 use crate::identification::{
     ArmProblem, BoundsByName, Dropped, MethodResult, Settings, Terms, assemble, fitted_twin,
@@ -23,8 +23,8 @@ use crate::twin::{PerJoint, Twin};
 #[command(after_help = "Example: armtwin demo --out demo
 
 Writes DIR/fit.csv and check.csv (the recordings), truth.json (what was hidden in them),
-diagnosis.json (what the identified twin lacks), report.html (the same with pictures), twin.toml (the twin with all that was found) and
-twin.rrd (that twin beside check.csv, for the viewer). The scenario is scenarios/ur5_friction.toml
+diagnosis.json (what the identified twin lacks), report.html (the same with pictures), twin.toml (the
+twin with all that was found) and twin.rrd (the arm beside both twins, for the viewer). The scenario is scenarios/ur5_friction.toml
 with a torque ripple on joint 3, which identification does not look for.")]
 pub struct Args {
     /// Folder for the results
@@ -36,6 +36,9 @@ pub struct Args {
     /// Length of both recordings, s
     #[arg(long, value_name = "S", default_value_t = 60.0)]
     duration: f64,
+    /// Open twin.rrd in the viewer
+    #[arg(long)]
+    view: bool,
 }
 
 const SCENARIO: &str = "scenarios/ur5_friction.toml";
@@ -68,11 +71,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let found = Found::new(&made, &fit, &check, args.seed)?;
     found.print(&made);
     println!("\n3. Diagnose what the identified twin lacks\n");
-    let mended = diagnosed(found.open(), [fit.recording, check.recording.clone()], args)?;
-    println!("4. Put the mended twin beside check.csv");
-    show(&mended, &check, &args.out.join("twin.rrd"))?;
-    println!("\nEverything is in {}", args.out.display());
-    Ok(())
+    diagnosed(found.open(), [fit.recording, check.recording], args)?;
+    println!("Everything is in {}:\n{}", args.out.display(), diagnose::written(&args.out));
+    match args.view {
+        true => view::open(&args.out.join("twin.rrd")),
+        false => Ok(()),
+    }
 }
 
 fn hide(scenario: &mut Scenario) {
@@ -81,14 +85,14 @@ fn hide(scenario: &mut Scenario) {
     scenario.effects.insert(HIDDEN.into(), table.collect());
 }
 
-/// Prints the answer, writes diagnosis.json and twin.toml, returns the mended twin.
-fn diagnosed(twin: Twin, recordings: [Recording; 2], args: &Args) -> anyhow::Result<Twin> {
+/// Prints the answer and writes its files.
+fn diagnosed(twin: Twin, recordings: [Recording; 2], args: &Args) -> anyhow::Result<()> {
     let settings = diagnosis::Settings { seed: args.seed, ..diagnosis::Settings::default() };
     let recordings = diagnose::conditioned(recordings, &twin)?;
     let done = diagnose::diagnose(twin, recordings, settings, true)?;
-    print!("{}", diagnose::findings(&done));
     diagnose::write(&done, &args.out)?;
-    Ok(done.mended)
+    out::page(&diagnose::findings(&done));
+    Ok(())
 }
 
 /// What identification made of the recordings.
@@ -189,19 +193,4 @@ impl Found {
         });
         table(&["method", "joint", "cost N.m", "evaluations", "ms", "R2", "check R2"], 1, rows)
     }
-}
-
-#[cfg(feature = "viewer")]
-fn show(twin: &Twin, check: &Run, path: &Path) -> anyhow::Result<()> {
-    let compared = super::compare::compare(&check.recording, twin, None, &conditioning())?;
-    crate::viewer::write_rrd(&compared.scene, path)?;
-    println!("\n{}", compared.report.table());
-    println!("\n   Look at it: rerun {}", path.display());
-    Ok(())
-}
-
-#[cfg(not(feature = "viewer"))]
-fn show(_: &Twin, _: &Run, _: &Path) -> anyhow::Result<()> {
-    println!("   left out: this armtwin was built without the viewer");
-    Ok(())
 }

@@ -1,8 +1,12 @@
 //! The command line: one file per command, each with its `Args` and `run`.
 
+#[macro_use]
+mod out;
+
 mod accuracy;
 mod case_studies;
 mod compare;
+mod completions;
 mod conditioning;
 mod convert;
 mod demo;
@@ -12,6 +16,7 @@ mod effects;
 mod export;
 mod identify;
 mod inspect;
+mod man;
 mod motor;
 mod progress;
 mod recovery;
@@ -20,6 +25,7 @@ mod simulate;
 mod study;
 mod trial;
 mod urdf;
+mod view;
 
 use std::process::ExitCode;
 
@@ -37,6 +43,7 @@ enum Command {
     Accuracy(accuracy::Args),
     CaseStudies(case_studies::Args),
     Compare(compare::Args),
+    Completions(completions::Args),
     Convert(convert::Args),
     Demo(demo::Args),
     Detect(detect::Args),
@@ -45,6 +52,7 @@ enum Command {
     Export(export::Args),
     Identify(identify::Args),
     Inspect(inspect::Args),
+    Man(man::Args),
     Motor(motor::Args),
     Recovery(recovery::Args),
     Robots(robots::Args),
@@ -70,6 +78,10 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Accuracy(args) => accuracy::run(&args),
         Command::CaseStudies(args) => case_studies::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Completions(args) => {
+            completions::run(&args);
+            Ok(())
+        }
         Command::Convert(args) => convert::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Detect(args) => detect::run(&args),
@@ -78,6 +90,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Export(args) => export::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Inspect(args) => inspect::run(&args),
+        Command::Man(args) => man::run(&args),
         Command::Motor(args) => motor::run(&args),
         Command::Recovery(args) => recovery::run(&args),
         Command::Robots(args) => robots::run(&args),

@@ -14,9 +14,10 @@ use crate::motor::dependence::dependence;
 use crate::motor::fit::Tick;
 use crate::motor::model::{NAMES, position};
 use crate::motor::render;
-use crate::motor::report::{Method, ScenarioReport, run as identify};
+use crate::motor::report::{Method, ScenarioReport, recordings, run as identify};
 use crate::motor::scenario::{Channel, SHIPPED, Scenario};
 use crate::motor::study::{Study, grid, study};
+use crate::report::html::motor_report;
 
 /// The DC-motor case study: identify ten parameters from a simulated motor, and say which can be
 #[derive(clap::Args)]
@@ -24,7 +25,7 @@ use crate::motor::study::{Study, grid, study};
   armtwin motor                                      both shipped scenarios
   armtwin motor --measured omega,current             all ten parameters become identifiable
   armtwin motor --given R=1.5 --method nlse          so they do with one known
-  armtwin motor scenarios/dc_motor_2.toml --json result.json
+  armtwin motor scenarios/dc_motor_2.toml --json result.json --report result.html
   armtwin motor --study --measured omega,current     200 noises: what the tests are worth (minutes)")]
 pub struct Args {
     /// A scenario file; without one both shipped scenarios
@@ -35,6 +36,9 @@ pub struct Args {
     /// Write the tables as a Markdown fragment
     #[arg(long, value_name = "FILE")]
     markdown: Option<PathBuf>,
+    /// Write a report with pictures, for any browser
+    #[arg(long, value_name = "FILE.html", conflicts_with = "study")]
+    report: Option<PathBuf>,
     /// How to search
     #[arg(long, value_delimiter = ',', default_value = "pso,nlse")]
     method: Vec<MethodName>,
@@ -94,8 +98,19 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         }
         reports.push(report);
     }
+    if let Some(path) = &args.report {
+        let top: Vec<f64> =
+            scenarios.iter().map(|s| top_speed(s, args.seed)).collect::<anyhow::Result<_>>()?;
+        save(path, &motor_report(&reports, &top))?;
+    }
     let text: String = reports.iter().map(render::markdown).collect();
     save_all(args, &text, &reports, &[])
+}
+
+/// Of the recording that is identified from, rad/s.
+fn top_speed(scenario: &Scenario, seed: u64) -> anyhow::Result<f64> {
+    let [identification, _] = recordings(scenario, seed)?;
+    Ok(identification.measured.omega.iter().fold(0.0, |top, w| w.abs().max(top)))
 }
 
 fn run_studies(scenarios: &[Scenario], args: &Args) -> anyhow::Result<()> {

@@ -1,6 +1,5 @@
 //! `armtwin urdf`: the URDF made from the tables.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Context;
@@ -25,7 +24,8 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let text = urdf::write(&robot::load(&args.robot)?);
     let Some(out) = &args.out else {
-        return Ok(std::io::stdout().write_all(text.as_bytes())?);
+        print!("{text}");
+        return Ok(());
     };
     write_whole(out, |w| w.write_all(text.as_bytes()))
         .with_context(|| format!("{}: cannot write it; choose another -o FILE", out.display()))

@@ -38,8 +38,7 @@ impl Grid {
 pub fn text(report: &ScenarioReport) -> String {
     let mut parts = vec![heading(report)];
     parts.extend(report.warnings.iter().map(|w| format!("warning: {w}\n")));
-    parts.extend(report.methods.iter().map(identifiability));
-    parts.extend(report.methods.iter().filter_map(stopped_short));
+    parts.extend(remarks(report));
     parts.extend(grids(report).iter().map(Grid::text));
     parts.join("\n")
 }
@@ -48,10 +47,15 @@ pub fn text(report: &ScenarioReport) -> String {
 pub fn markdown(report: &ScenarioReport) -> String {
     let mut parts = vec![format!("### {}\n", heading(report).trim_end())];
     parts.extend(report.warnings.iter().map(|w| format!("> {w}\n")));
-    parts.extend(report.methods.iter().map(identifiability));
-    parts.extend(report.methods.iter().filter_map(stopped_short));
+    parts.extend(remarks(report));
     parts.extend(grids(report).iter().map(Grid::markdown));
     parts.join("\n")
+}
+
+/// What is said beside the tables.
+pub fn remarks(report: &ScenarioReport) -> Vec<String> {
+    let methods = || report.methods.iter();
+    methods().map(identifiability).chain(methods().filter_map(stopped_short)).collect()
 }
 
 /// The tables of a report, in reading order.

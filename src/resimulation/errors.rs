@@ -1,9 +1,7 @@
 //! How far a simulated twin stays from a recording.
 
-use super::{ResimulationError, closed_loop, open_loop};
-use crate::series::JointSeries;
+use super::{Replayed, ResimulationError, open_loop};
 use crate::signals::{Conditioning, LowPass, Samples};
-use crate::simulation::ControllerSettings;
 use crate::twin::Twin;
 
 /// Root mean squares over all joints, simulated less recorded.
@@ -17,19 +15,15 @@ pub struct Errors {
     pub open_loop_rad: f64,
 }
 
-/// Of the twin led along `command` (rad, at the samples' instants) and of the twin driven by the
-/// recorded torque. `watch` as in [`closed_loop`].
+/// Of what the twin did when led along the command, and of the twin driven by the recorded torque.
 ///
 /// # Errors
 /// If the twin cannot be simulated.
 pub fn errors(
     twin: &Twin,
-    command: &JointSeries,
+    replayed: &Replayed,
     samples: &Samples,
-    controller: &ControllerSettings,
-    watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Errors, ResimulationError> {
-    let replayed = closed_loop(twin, command, samples, controller, watch)?;
     let filter = torque_filter(samples)?;
     let low_passed = |x: &[f64]| {
         let mut x = x.to_vec();

@@ -52,8 +52,11 @@ fn the_twin_that_knows_stays_closer_in_both_loops() {
     let [lacking, knowing] = [lacking(&made), knowing(&made)];
     let samples = condition(&run.recording, &lacking.drive, 6, &Conditioning::default()).unwrap();
     let q = command(&run.recording, &samples).unwrap().unwrap();
-    let of =
-        |twin| errors(twin, &q, &samples, &ControllerSettings::default(), &mut |_| true).unwrap();
+    let of = |twin| {
+        let controller = ControllerSettings::default();
+        let replayed = closed_loop(twin, &q, &samples, &controller, &mut |_| true).unwrap();
+        errors(twin, &replayed, &samples).unwrap()
+    };
     let (before, after) = (of(&lacking), of(&knowing));
     assert!(after.position_rad < 0.1 * before.position_rad, "{before:?} {after:?}");
     assert!(after.torque_nm < 0.1 * before.torque_nm, "{before:?} {after:?}");

@@ -45,6 +45,22 @@ pub const SIMULATED: Look = Look {
     swell: 1.15,
 };
 
+/// The twin as given, and mended.
+pub const BEFORE: Look = Look {
+    root: "arm/twin_as_given",
+    link: palette::BEFORE,
+    joint: palette::BEFORE,
+    alpha: 60,
+    swell: 1.12,
+};
+pub const AFTER: Look = Look {
+    root: "arm/mended_twin",
+    link: palette::AFTER,
+    joint: palette::AFTER,
+    alpha: 60,
+    swell: 1.22,
+};
+
 /// Logs shapes once, poses over time, and the path of the flange.
 pub fn log(
     stream: &RecordingStream,

@@ -40,7 +40,7 @@ pub struct Torque {
 
 impl Comparison {
     /// Checks that every series fits the arm and the time base.
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(super) fn check_shapes(&self) -> Result<(), Error> {
         if self.time.is_empty() || self.robot.dof() == 0 {
             return Err(Error::Empty);
         }
@@ -53,15 +53,23 @@ impl Comparison {
             ("predicted torque", &self.torque.predicted),
         ];
         let target = self.target_q.iter().map(|q| ("commanded position", q));
-        required.into_iter().chain(target).try_for_each(|(what, s)| self.check_shape(what, s))
+        required
+            .into_iter()
+            .chain(target)
+            .try_for_each(|(what, s)| check_shape(what, s, self.robot.dof(), self.time.len()))
     }
+}
 
-    fn check_shape(&self, what: &'static str, series: &JointSeries) -> Result<(), Error> {
-        let (dof, times) = (self.robot.dof(), self.time.len());
-        let (joints, samples) = (series.joints(), series.samples());
-        if (joints, samples) == (dof, times) {
-            return Ok(());
-        }
-        Err(Error::Shape { what, joints, samples, dof, times })
+/// One row per joint, one value per instant.
+pub fn check_shape(
+    what: &'static str,
+    series: &JointSeries,
+    dof: usize,
+    times: usize,
+) -> Result<(), Error> {
+    let (joints, samples) = (series.joints(), series.samples());
+    if (joints, samples) == (dof, times) {
+        return Ok(());
     }
+    Err(Error::Shape { what, joints, samples, dof, times })
 }

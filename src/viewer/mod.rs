@@ -1,10 +1,13 @@
-//! The twin beside the recording in rerun: one `.rrd` with the arm twice in 3D, plots, a summary.
+//! The twin beside the recording in rerun: one `.rrd` with the arms in 3D, plots, a summary.
 //!
-//! Knows nothing of how the numbers came about: a [`Comparison`] goes in, a file comes out.
+//! Knows nothing of how the numbers came about: a [`Comparison`] of one twin or the [`Mending`] of
+//! one goes in, a file comes out.
 
 mod arm;
+mod blueprint;
 mod comparison;
 mod layout;
+mod mending;
 mod palette;
 mod plots;
 mod scene;
@@ -13,7 +16,8 @@ mod scene;
 mod tests;
 
 pub use comparison::{Comparison, Motion, Torque};
-pub use scene::write_rrd;
+pub use mending::{JointMending, Mending};
+pub use scene::{Shown, write_rrd};
 
 /// Why no file was written.
 #[derive(Debug, thiserror::Error)]

@@ -7,6 +7,12 @@ pub const RECORDED: Rgb = Rgb(86, 170, 240);
 /// What the twin says.
 pub const SIMULATED: Rgb = Rgb(255, 160, 40);
 pub const TARGET: Rgb = Rgb(160, 160, 160);
+/// The twin as given, and mended: as in the report.
+pub const BEFORE: Rgb = Rgb(251, 146, 60);
+pub const AFTER: Rgb = Rgb(45, 212, 191);
+/// Moments after a reversal, and contacts.
+pub const REVERSAL: Rgb = Rgb(120, 134, 160);
+pub const CONTACT: Rgb = Rgb(230, 90, 140);
 /// Recorded minus twin.
 pub const DIFFERENCE: Rgb = Rgb(230, 90, 140);
 /// Links of the recorded arm; its joints take [`RECORDED`].

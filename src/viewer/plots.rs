@@ -20,11 +20,16 @@ pub struct Quantity {
     curves: fn(&Comparison, usize) -> Vec<Curve<'_>>,
 }
 
-struct Curve<'a> {
-    name: &'static str,
-    color: Rgb,
-    values: Cow<'a, [f64]>,
+/// One of the curves in a plot.
+pub struct Curve<'a> {
+    pub name: &'static str,
+    pub color: Rgb,
+    pub values: Cow<'a, [f64]>,
+    /// On the screen, points.
+    pub width: f32,
 }
+
+const WIDTH: f32 = 1.5;
 
 pub static ANGLE: Quantity = Quantity {
     key: "angle",
@@ -87,7 +92,7 @@ pub fn log(stream: &RecordingStream, c: &Comparison) -> Result<(), Error> {
 }
 
 /// Curves of one plot share an entity, so that time and row numbers are stored once for all.
-fn log_curves(
+pub fn log_curves(
     stream: &RecordingStream,
     time: &TimeColumn,
     entity: &str,
@@ -96,7 +101,7 @@ fn log_curves(
     let style = SeriesLines::new()
         .with_names(curves.iter().map(|c| c.name))
         .with_colors(curves.iter().map(|c| rerun::Color::from(c.color)))
-        .with_widths(curves.iter().map(|_| 1.5));
+        .with_widths(curves.iter().map(|c| c.width));
     stream.log_static(entity, &style).map_err(log_error)?;
     let samples = time.num_rows();
     let rows = (0..samples).flat_map(|k| curves.iter().map(move |c| c.values[k]));
@@ -106,8 +111,8 @@ fn log_curves(
     stream.send_columns(entity, [time.clone()], columns).map_err(log_error)
 }
 
-fn curve<'a>(name: &'static str, color: Rgb, values: &'a [f64]) -> Curve<'a> {
-    Curve { name, color, values: Cow::Borrowed(values) }
+pub fn curve<'a>(name: &'static str, color: Rgb, values: &'a [f64]) -> Curve<'a> {
+    Curve { name, color, values: Cow::Borrowed(values), width: WIDTH }
 }
 
 fn both<'a>(recorded: &'a JointSeries, simulated: &'a JointSeries, j: usize) -> [Curve<'a>; 2] {
@@ -119,5 +124,5 @@ fn both<'a>(recorded: &'a JointSeries, simulated: &'a JointSeries, j: usize) -> 
 
 fn difference<'a>(recorded: &JointSeries, twin: &JointSeries, j: usize) -> Vec<Curve<'a>> {
     let values = recorded.joint(j).iter().zip(twin.joint(j)).map(|(r, t)| r - t).collect();
-    vec![Curve { name: "difference", color: palette::DIFFERENCE, values: Cow::Owned(values) }]
+    vec![Curve { values: Cow::Owned(values), ..curve("difference", palette::DIFFERENCE, &[]) }]
 }

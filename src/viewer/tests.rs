@@ -209,3 +209,61 @@ fn the_viewer_itself_accepts_the_file() {
     let said = String::from_utf8_lossy(&out.stdout) + String::from_utf8_lossy(&out.stderr);
     assert!(out.status.success() && said.contains("1 file verified without error"), "{said}");
 }
+
+/// Half a second of one joint, a stretch of it left out, a reversal and a contact in it.
+fn mending() -> Mending {
+    let made = comparison(63);
+    let joint = JointMending {
+        time: vec![0.0, 0.1, 0.2, 0.4, 0.5],
+        step: 0.1,
+        measured: vec![3.0; 5],
+        residual: vec![vec![1.0; 5], vec![0.25; 5]],
+        reversal: vec![false, true, true, false, false],
+        contact: vec![false, false, false, false, true],
+    };
+    Mending {
+        title: made.title,
+        robot: made.robot,
+        time: made.time,
+        recorded: made.recorded.q,
+        simulated: vec![made.simulated.q.clone(), made.simulated.q],
+        joints: vec![joint; 6],
+        summary: "# Lacks".into(),
+    }
+}
+
+#[test]
+fn a_mending_holds_both_twins_gaps_and_marks() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("twin.rrd");
+    write_rrd(&mending(), &path).unwrap();
+    let found = chunks(&path);
+    let rows = |entity: &str| -> Vec<Vec<f64>> {
+        let timed = found[entity].iter().find(|c| !c.is_static()).unwrap();
+        let scalars = rerun::Scalars::descriptor_scalars().component;
+        timed.iter_slices::<f64>(scalars).map(|row| row.to_vec()).collect()
+    };
+    let torque = rows("/joint_3/torque");
+    assert_eq!((torque.len(), &*torque[0]), (6, &[3.0, 2.0, 2.75][..]));
+    assert!(torque[3][0].is_nan(), "a stretch is left out: {torque:?}");
+    // Reversal, contact, both residuals.
+    let residual = rows("/joint_3/residual");
+    assert!(residual[1][0] == 0.0 && residual[1][1].is_nan() && residual[1][2..] == [1.0, 0.25]);
+    assert!(residual[5][0].is_nan() && residual[5][1] == 0.0);
+    for arm in ["recorded", "twin_as_given", "mended_twin"] {
+        assert!(found.contains_key(&format!("/arm/{arm}/flange_path")), "{arm}");
+    }
+    assert!(found.contains_key("/joint_1/tracking") && found.contains_key("/summary"));
+}
+
+#[test]
+fn a_twin_that_could_not_be_simulated_is_shown_by_its_torque() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("twin.rrd");
+    let mut still = Mending { simulated: Vec::new(), ..mending() };
+    write_rrd(&still, &path).unwrap();
+    let found = chunks(&path);
+    assert!(found.contains_key("/joint_6/residual") && !found.contains_key("/joint_6/tracking"));
+    still.joints[0].residual[0].pop();
+    assert!(write_rrd(&still, &path).is_err());
+}

@@ -23,7 +23,20 @@ fn the_demo_finds_what_it_hid() {
     // Torque over speed of six joints, five plots of what is left at the open one.
     browser::assert_sound(&folder.join("report.html"), &sections, 6 + 5);
     #[cfg(feature = "viewer")]
-    assert!(fs::metadata(folder.join("twin.rrd")).unwrap().len() > 100_000);
+    assert_shown(&folder.join("twin.rrd"));
+}
+
+/// Not blank, the recorded arm and both twins on it.
+#[cfg(feature = "viewer")]
+fn assert_shown(rrd: &std::path::Path) {
+    assert!(fs::metadata(rrd).unwrap().len() > 100_000);
+    let Some(picture) = super::picture::render(rrd) else { return };
+    assert!(picture.colours() > 500, "{} colours", picture.colours());
+    let curves = [("as given", [251, 146, 60]), ("mended", [45, 212, 191])];
+    for (what, colour) in curves {
+        let pixels = picture.count(colour, 40);
+        assert!(pixels > 300, "{what}: {pixels} pixels");
+    }
 }
 
 #[test]

@@ -11,10 +11,13 @@ mod export;
 mod identify;
 mod mcmc;
 mod motor;
+#[cfg(feature = "viewer")]
+mod picture;
 mod readme;
 mod recording;
 mod robots;
 mod round_trip;
+mod shell;
 mod simulate;
 mod study;
 mod trial;

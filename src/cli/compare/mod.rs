@@ -9,12 +9,11 @@ mod judge;
 #[cfg(feature = "viewer")]
 mod summary;
 
-#[cfg(feature = "viewer")]
-pub(super) use build::compare;
-
 use std::path::PathBuf;
 
 use super::conditioning::ConditioningArgs;
+#[cfg(feature = "viewer")]
+use super::view;
 
 /// Show the twin beside a recording: the arm twice in 3D, torques, angles, residuals
 #[derive(clap::Args)]
@@ -43,6 +42,9 @@ pub struct Args {
     /// Write the table, the twin's values and all settings as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Open the file in the viewer
+    #[arg(long)]
+    view: bool,
     #[command(flatten)]
     conditioning: ConditioningArgs,
 }
@@ -65,7 +67,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
     let terms = fit::terms(&twin, args.twin.is_some())?;
     let how = args.conditioning.conditioning();
-    let compared = compare(&recording, &twin, terms.as_ref(), &how)
+    let compared = build::compare(&recording, &twin, terms.as_ref(), &how)
         .with_context(|| args.recording.display().to_string())?;
     println!("armtwin {}  compare", env!("CARGO_PKG_VERSION"));
     compared.notes.iter().for_each(|note| println!("  {note}"));
@@ -75,5 +77,5 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     write_rrd(&compared.scene, &args.out)?;
     println!("\n{}: open it with the viewer, `rerun {}`", args.out.display(), args.out.display());
-    Ok(())
+    if args.view { view::open(&args.out) } else { Ok(()) }
 }

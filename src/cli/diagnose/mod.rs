@@ -6,6 +6,8 @@ mod load;
 mod output;
 mod page;
 mod resimulate;
+#[cfg(feature = "viewer")]
+mod scene;
 #[cfg(test)]
 mod tests;
 
@@ -16,10 +18,11 @@ use anyhow::{Context, bail};
 
 use self::load::Recorded;
 use super::conditioning::ConditioningArgs;
-use super::progress;
+use super::{out, progress, view};
 use crate::diagnosis::{self, Diagnosis, Settings, Traces, mend};
 use crate::effects;
 use crate::recording::Recording;
+use crate::series::JointSeries;
 use crate::twin::Twin;
 
 /// Say where a twin differs from the arm, which effects it lacks, and how far adding them helps
@@ -33,9 +36,9 @@ use crate::twin::Twin;
   armtwin diagnose --fit Movement_No6 --check Movement_No7 --twin scenarios/twins/ur5_paper.toml
   armtwin diagnose --fit fit.csv --check check.csv --without payload,link_inertia --json out.json
 
-Writes DIR/diagnosis.json, DIR/report.html (the same with pictures, for any browser) and
-DIR/twin.toml, the twin with the causes and the fitted friction in it: held against the arm again,
-that twin shows what is left. Motion comes from the recorded command
+Writes DIR/diagnosis.json, DIR/report.html (the same with pictures, for any browser),
+DIR/twin.rrd (the recorded arm beside both twins, for the viewer rerun) and DIR/twin.toml, the twin
+with the causes and the fitted friction in it: held against the arm again, it shows what is left. Motion comes from the recorded command
 plus the smoothed tracking error where a command is recorded, else from the measured position.")]
 pub struct Args {
     /// Recording to search causes on: file, or folder with one log per signal
@@ -50,9 +53,12 @@ pub struct Args {
     /// Column map (TOML) of CSVs without RTDE names
     #[arg(long, value_name = "MAP.toml")]
     columns: Option<PathBuf>,
-    /// Folder for diagnosis.json, report.html and twin.toml
+    /// Folder for diagnosis.json, report.html, twin.rrd and twin.toml
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Open twin.rrd in the viewer
+    #[arg(long, requires = "out")]
+    view: bool,
     /// Effects to take out of the catalogue
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     without: Vec<String>,
@@ -72,7 +78,7 @@ pub struct Args {
     conditioning: ConditioningArgs,
 }
 
-pub(super) use self::output::write;
+pub(super) use self::output::{write, written};
 
 /// Both recordings, conditioned as a diagnosis usually has them.
 pub(super) fn conditioned(
@@ -96,6 +102,9 @@ pub(super) struct Diagnosed {
     pub check: Recorded,
     pub diagnosis: Diagnosis,
     pub traces: Traces,
+    /// Of the twin as given and the mended one, moved again, rad.
+    #[cfg_attr(not(feature = "viewer"), allow(dead_code))]
+    pub simulated: Vec<JointSeries>,
     /// Wall-clock, s.
     pub seconds: f64,
 }
@@ -112,9 +121,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(out) = &args.out {
         output::write(&done, out)?;
     }
-    print!("{}", page::page(&done));
+    out::page(&page::page(&done));
     if let Some(out) = &args.out {
-        println!("\n{}: {}", out.display(), output::FILES.join(", "));
+        println!("\n{}", output::written(out));
+        if args.view {
+            view::open(&out.join("twin.rrd"))?;
+        }
     }
     if let Some(path) = &args.json {
         output::json(&done, path).with_context(|| format!("--json {}", path.display()))?;
@@ -136,13 +148,14 @@ pub(super) fn diagnose(
         diagnosis::diagnose_traced(&twin, &fit.samples, &check.samples, &settings)?;
     let mended = mend(&twin, &found.fitted, &found.causes);
     let mut diagnosis = found;
+    let mut simulated = Vec::new();
     if simulate {
         spinner.set_message("moving the twin again in the simulation");
-        resimulate::add(&mut diagnosis, &twin, &mended, &check);
+        simulated = resimulate::add(&mut diagnosis, &twin, &mended, &check);
     }
     spinner.finish_and_clear();
     let seconds = clock.elapsed().as_secs_f64();
-    Ok(Diagnosed { twin, mended, settings, fit, check, diagnosis, traces, seconds })
+    Ok(Diagnosed { twin, mended, settings, fit, check, diagnosis, traces, simulated, seconds })
 }
 
 impl Args {

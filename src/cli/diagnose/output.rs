@@ -37,8 +37,21 @@ struct Source<'a> {
     signals: &'a [String],
 }
 
-/// What is written.
-pub const FILES: [&str; 3] = ["diagnosis.json", "report.html", "twin.toml"];
+/// What was written into `out`, and how to look at it.
+pub fn written(out: &Path) -> String {
+    let at = |file: &str| out.join(file).display().to_string();
+    let rrd = match cfg!(feature = "viewer") {
+        true => format!("rerun {}", at("twin.rrd")),
+        false => "twin.rrd is not written: this armtwin was built without the viewer".into(),
+    };
+    format!(
+        "{}: what is above, for programs\n{}: with pictures, for any browser\n{}: the mended \
+         twin\n{rrd}",
+        at("diagnosis.json"),
+        at("report.html"),
+        at("twin.toml")
+    )
+}
 
 /// `out` exists.
 pub fn write(done: &Diagnosed, out: &Path) -> anyhow::Result<()> {
@@ -47,6 +60,8 @@ pub fn write(done: &Diagnosed, out: &Path) -> anyhow::Result<()> {
     let report = report(done)?;
     write_whole(&out.join("report.html"), |file| file.write_all(report.as_bytes()))
         .with_context(|| name("report.html"))?;
+    #[cfg(feature = "viewer")]
+    crate::viewer::write_rrd(&super::scene::scene(done), &out.join("twin.rrd"))?;
     Ok(done.mended.save(&out.join("twin.toml"))?)
 }
 

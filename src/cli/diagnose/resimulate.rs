@@ -2,12 +2,21 @@
 
 use super::load::Recorded;
 use crate::diagnosis::{Diagnosis, SimulationShrink, mend};
-use crate::resimulation::{Errors, ResimulationError, WINDOW_S, command, errors};
+use crate::resimulation::{
+    Errors, Replayed, ResimulationError, WINDOW_S, closed_loop, command, errors,
+};
+use crate::series::JointSeries;
 use crate::simulation::ControllerSettings;
 use crate::twin::Twin;
 
 /// Adds what the causes bring in the simulation to `diagnosis`; a note where that cannot be said.
-pub fn add(diagnosis: &mut Diagnosis, twin: &Twin, mended: &Twin, check: &Recorded) {
+/// Positions, rad, of the twin as given and, where causes are named, of the mended one.
+pub fn add(
+    diagnosis: &mut Diagnosis,
+    twin: &Twin,
+    mended: &Twin,
+    check: &Recorded,
+) -> Vec<JointSeries> {
     let before = mend(twin, &diagnosis.fitted_before, &[]);
     let samples = &check.samples;
     let command = match command(&check.recording, samples) {
@@ -18,24 +27,34 @@ pub fn add(diagnosis: &mut Diagnosis, twin: &Twin, mended: &Twin, check: &Record
             diagnosis.notes.push(note.into());
             samples.q.clone()
         }
-        Err(error) => return diagnosis.notes.push(format!("not simulated: {error}")),
+        Err(error) => return not_simulated(diagnosis, &error),
     };
     let controller = ControllerSettings::default();
-    let of = |twin: &Twin| errors(twin, &command, samples, &controller, &mut |_| true);
-    let both = match diagnosis.causes.is_empty() {
-        true => of(&before).map(|e| (e, e)),
-        false => both_ok(rayon::join(|| of(&before), || of(mended))),
+    let of = |twin: &Twin| -> Result<(Errors, Replayed), ResimulationError> {
+        let replayed = closed_loop(twin, &command, samples, &controller, &mut |_| true)?;
+        Ok((errors(twin, &replayed, samples)?, replayed))
     };
-    match both {
-        Ok((before, after)) => diagnosis.shrink.simulation = Some(shrink(&before, &after)),
-        Err(error) => diagnosis.notes.push(format!("not simulated: {error}")),
+    let (before, after) = match diagnosis.causes.is_empty() {
+        true => (of(&before), None),
+        false => {
+            let (before, after) = rayon::join(|| of(&before), || of(mended));
+            (before, Some(after))
+        }
+    };
+    match (before, after.transpose()) {
+        (Ok((before, moved)), Ok(after)) => {
+            let (after, mended) = after.unzip();
+            let after = after.unwrap_or(before);
+            diagnosis.shrink.simulation = Some(shrink(&before, &after));
+            std::iter::once(moved).chain(mended).map(|r| r.q).collect()
+        }
+        (Err(error), _) | (_, Err(error)) => not_simulated(diagnosis, &error),
     }
 }
 
-type Result<T> = std::result::Result<T, ResimulationError>;
-
-fn both_ok((before, after): (Result<Errors>, Result<Errors>)) -> Result<(Errors, Errors)> {
-    Ok((before?, after?))
+fn not_simulated(diagnosis: &mut Diagnosis, error: &ResimulationError) -> Vec<JointSeries> {
+    diagnosis.notes.push(format!("not simulated: {error}"));
+    Vec::new()
 }
 
 fn shrink(before: &Errors, after: &Errors) -> SimulationShrink {

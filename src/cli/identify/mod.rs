@@ -1,6 +1,7 @@
 //! `armtwin identify`: friction and what goes with it, with tests and intervals.
 
 mod json;
+mod page;
 mod print;
 
 use std::path::{Path, PathBuf};
@@ -23,7 +24,7 @@ use crate::twin::Twin;
 /// values for. --terms replaces, --with adds to either.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  armtwin identify fit.csv --check check.csv
+  armtwin identify fit.csv --check check.csv --report report.html
   armtwin identify fit.csv --check check.csv --with payload --json out.json --save-twin fitted.toml
   armtwin identify log.csv --columns scenarios/columns/ur10e_shamilmamedov.toml \\
       --twin scenarios/twins/ur10e.toml --with paper,offset
@@ -65,6 +66,9 @@ pub struct Args {
     /// Write everything as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Write a report with pictures, for any browser
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
     /// Write the twin with the fitted values (NLSE's where both ran)
     #[arg(long, value_name = "FILE")]
     save_twin: Option<PathBuf>,
@@ -154,6 +158,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(path) = &args.json {
         json::write(&report, path)?;
     }
+    if let Some(path) = &args.report {
+        page::write(&report, path)?;
+    }
     if let Some(path) = &args.save_twin {
         save_twin(&report, path)?;
     }
@@ -240,11 +247,17 @@ fn refuse_same_samples(fit: &Recording, check: &Recording) -> anyhow::Result<()>
 }
 
 fn save_twin(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
+    let Some((fitted, method)) = fitted(report)? else { return Ok(()) };
+    fitted.save(path)?;
+    println!("\nTwin with the values of {method}: {}", path.display());
+    Ok(())
+}
+
+/// The twin with the values found, and by which method.
+fn fitted<'a>(report: &Report<'a>) -> Result<Option<(Twin, &'a str)>, IdentificationError> {
     let preferred = report.results.iter().find(|r| r.method == Method::Nlse.name());
-    let Some(result) = preferred.or(report.results.first()) else { return Ok(()) };
+    let Some(result) = preferred.or(report.results.first()) else { return Ok(None) };
     let fitted =
         identification::fitted_twin(report.twin, report.terms, &report.fit.problem, result)?;
-    fitted.save(path)?;
-    println!("\nTwin with the values of {}: {}", result.method, path.display());
-    Ok(())
+    Ok(Some((fitted, &result.method)))
 }

@@ -4,7 +4,7 @@ use super::{Loaded, Report};
 use crate::identification::{
     self, Dropped, Interval, JointEstimate, MethodResult, ParameterEstimate,
 };
-use crate::report::table;
+use crate::report::{table, to_uncertainty};
 
 pub fn print(report: &Report<'_>) {
     println!("armtwin {}  identify  seed {}", env!("CARGO_PKG_VERSION"), report.settings.seed);
@@ -28,17 +28,23 @@ pub fn print(report: &Report<'_>) {
     }
 }
 
-fn print_dropped(dropped: &[Dropped]) {
+fn print_dropped(all: &[Dropped]) {
+    println!("dropped  {}", if all.is_empty() { "nothing: every term is shown" } else { "" });
+    dropped(all).iter().for_each(|line| println!("         {line}"));
+}
+
+/// Terms that were taken out and why, one line per joint.
+pub fn dropped(dropped: &[Dropped]) -> Vec<String> {
     let mut joints: Vec<usize> = dropped.iter().map(|d| d.joint).collect();
     joints.dedup();
-    println!("dropped  {}", if dropped.is_empty() { "nothing: every term is shown" } else { "" });
-    for joint in joints {
+    let line = |joint: usize| {
         let terms = dropped.iter().filter(|d| d.joint == joint).map(|d| match &d.why {
             Some(why) => format!("{} ({why})", d.term),
             None => format!("{} (p {})", d.term, chance(d.p)),
         });
-        println!("         joint {joint}: {}", terms.collect::<Vec<_>>().join(", "));
-    }
+        format!("joint {joint}: {}", terms.collect::<Vec<_>>().join(", "))
+    };
+    joints.into_iter().map(line).collect()
 }
 
 fn print_source(what: &str, loaded: &Loaded) {
@@ -49,7 +55,7 @@ fn print_source(what: &str, loaded: &Loaded) {
     }
 }
 
-fn signals(report: &Report<'_>) -> String {
+pub fn signals(report: &Report<'_>) -> String {
     let c = report.conditioning;
     let derivatives = serde_json::to_value(c.derivatives).ok();
     let derivatives = derivatives.as_ref().and_then(|v| v.as_str()).unwrap_or("?").to_string();
@@ -156,9 +162,10 @@ fn parameter_row(joint: String, p: &ParameterEstimate) -> Vec<String> {
         (true, false) => "",
     };
     let ends = |i: &Interval| [number(i.low), number(i.high)];
-    let mut row = vec![joint, p.name.clone(), p.unit.clone(), number(p.value)];
+    let [value, low, high] = to_uncertainty(p.value, p.low, p.high);
+    let mut row = vec![joint, p.name.clone(), p.unit.clone(), value];
     if p.identifiable {
-        row.extend([number(p.low), number(p.high), format!("{:.1}", p.statistic), chance(p.p)]);
+        row.extend([low, high, format!("{:.1}", p.statistic), chance(p.p)]);
         row.extend(ends(&p.asymptotic));
         row.extend(ends(&p.paper));
     } else {

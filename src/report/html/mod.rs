@@ -1,10 +1,16 @@
 //! Reports as one HTML file each: no network, readable on a phone, on paper and without JavaScript.
 
+mod chart;
 mod diagnosis;
 mod frame;
-mod gap_chart;
+mod identification;
+mod motor;
 mod plot;
 mod table;
+#[cfg(test)]
+mod tests;
 
 pub use diagnosis::{DiagnosisReport, diagnosis_report};
 pub use frame::{Fact, Page, Section};
+pub use identification::{FrictionCurve, IdentificationReport, identification_report};
+pub use motor::motor_report;

@@ -6,10 +6,11 @@ mod plots;
 
 use maud::{Markup, html};
 
+use super::chart::{Chart, Row};
 use super::frame::{Fact, Page, Section, facts};
-use super::gap_chart::gap_chart;
+use super::plot::{AFTER, BEFORE};
 use super::table::explained;
-use crate::diagnosis::{Diagnosis, Traces, by_reason, words};
+use crate::diagnosis::{Diagnosis, JointGap, Traces, by_reason, words};
 
 pub struct DiagnosisReport<'a> {
     pub diagnosis: &'a Diagnosis,
@@ -39,6 +40,35 @@ pub fn diagnosis_report(report: &DiagnosisReport<'_>) -> String {
     let kind = format!("armtwin {} diagnose", d.armtwin);
     let answer = words::sentence(d);
     Page { kind: &kind, answer: &answer, picture: gap_chart(d), sections }.html()
+}
+
+/// The gap of every joint before and after, against the noise floor.
+fn gap_chart(d: &Diagnosis) -> Markup {
+    let mended = !d.causes.is_empty();
+    let after = |joint: usize| {
+        let found = d.shrink.torque.joints.iter().find(|j| j.joint == joint);
+        found.map(|j| j.after_nm)
+    };
+    let row = |j: &JointGap| Row {
+        label: format!("joint {}", j.joint),
+        bar: Some(j.noise_floor_nm),
+        dots: match mended {
+            true => vec![Some(j.rms_nm), after(j.joint)],
+            false => vec![Some(j.rms_nm)],
+        },
+    };
+    let mut dots = vec![("twin as given", BEFORE)];
+    dots.extend(mended.then_some(("mended twin", AFTER)));
+    Chart {
+        about: "Gap of every joint before and after, against the noise floor",
+        across: "recorded torque less the twin's, rms on the check recording, N.m",
+        bar: "noise",
+        dots,
+        rows: d.gap.joints.iter().map(row).collect(),
+        caption: "How far the twin is from the arm at each joint, and how far it would be by the \
+                  sensors' noise alone (grey). The scale is logarithmic.",
+    }
+    .markup()
 }
 
 fn untestable(d: &Diagnosis) -> Markup {

@@ -1,0 +1,81 @@
+//! An identification as a report with pictures.
+
+use std::path::Path;
+
+use anyhow::Context;
+
+use super::{Loaded, Report, fitted, print};
+use crate::effects::{Scope, find};
+use crate::files::write_whole;
+use crate::identification;
+use crate::report::html::{Fact, FrictionCurve, IdentificationReport, identification_report};
+use crate::signals::Samples;
+use crate::twin::Twin;
+
+pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
+    let twin = fitted(report)?.map(|(twin, _)| twin);
+    let judged = &report.check.unwrap_or(report.fit).samples;
+    let friction = twin.as_ref().map(|twin| friction(twin, judged)).transpose()?;
+    let mut files = vec![
+        ("Settings of the search", serde_json::to_string_pretty(report.settings)?),
+        ("Conditioning of the recordings", toml::to_string(report.conditioning)?),
+        ("The twin as given", report.twin.to_toml()),
+    ];
+    files.extend(twin.map(|twin| ("The twin with what was found", twin.to_toml())));
+    let html = identification_report(&IdentificationReport {
+        results: report.results,
+        friction: &friction.unwrap_or_default(),
+        found: &report.results.last().map_or(Vec::new(), identification::verdict),
+        dropped: &report.dropped.map_or(Vec::new(), print::dropped),
+        facts: &facts(report),
+        files: &files,
+    });
+    write_whole(path, |out| out.write_all(html.as_bytes()))
+        .with_context(|| format!("--report {}", path.display()))
+}
+
+/// What the joints need beyond what moves the masses: as recorded, and as the twin has it.
+fn friction(twin: &Twin, samples: &Samples) -> anyhow::Result<Vec<FrictionCurve>> {
+    let samples = &twin.correct(samples);
+    let filter = samples.torque_filter()?;
+    let heavy = |name: &String| find(name).is_some_and(|e| e.about().scope != Scope::Joint);
+    let mut bare = twin.clone();
+    bare.effects.retain(heavy);
+    let motion = twin.motion(samples);
+    let (whole, masses) = (twin.torque(&motion), bare.torque(&motion));
+    let joint = |j: usize| {
+        let rows = samples.rows(j);
+        let less = |a: &[f64]| -> Vec<f64> {
+            let mut rest: Vec<f64> = a.iter().zip(masses.joint(j)).map(|(a, m)| a - m).collect();
+            if let Some(filter) = &filter {
+                filter.apply(&mut rest);
+            }
+            rows.take(&rest)
+        };
+        FrictionCurve {
+            joint: j + 1,
+            velocity: rows.take(samples.qd.joint(j)),
+            measured: less(samples.torque.joint(j)),
+            fitted: less(whole.joint(j)),
+        }
+    };
+    Ok((0..samples.joints()).map(joint).filter(|c| !c.velocity.is_empty()).collect())
+}
+
+fn facts(report: &Report<'_>) -> Vec<Fact> {
+    let mut facts = vec![("robot".to_string(), report.twin.source.clone())];
+    let source = |what: &str, loaded: &Loaded| -> Vec<Fact> {
+        let from = &loaded.recording.provenance;
+        let notes = from.notes.iter().chain(&loaded.samples.notes);
+        std::iter::once((what.to_string(), format!("{} ({})", from.source, from.format)))
+            .chain(notes.map(|note| (String::new(), note.clone())))
+            .collect()
+    };
+    facts.extend(source("fit", report.fit));
+    facts.extend(report.check.iter().flat_map(|c| source("check", c)));
+    facts.push(("fitted".into(), report.terms.names().join(", ")));
+    facts.push(("signals".into(), print::signals(report)));
+    facts.push(("seed".into(), report.settings.seed.to_string()));
+    facts.push(("armtwin".into(), env!("CARGO_PKG_VERSION").into()));
+    facts
+}

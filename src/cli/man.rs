@@ -1,0 +1,56 @@
+//! `armtwin man`: manual pages from the help texts.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::CommandFactory;
+use clap_mangen::Man;
+
+use crate::files::write_whole;
+
+/// Print the manual page, or write those of all commands
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  armtwin man | man -l -
+  armtwin man --out ~/.local/share/man/man1")]
+pub struct Args {
+    /// Folder for armtwin.1 and one page per command
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let mut whole = super::Cli::command();
+    // So that pages of commands name the program.
+    whole.build();
+    let Some(out) = &args.out else {
+        print!("{}", String::from_utf8_lossy(&page(whole, "armtwin")?));
+        return Ok(());
+    };
+    std::fs::create_dir_all(out).with_context(|| format!("--out {}", out.display()))?;
+    let mut pages = vec![("armtwin".to_string(), whole.clone())];
+    collect(&whole, "armtwin", &mut pages);
+    for (name, command) in &pages {
+        let path = out.join(format!("{name}.1"));
+        let text = page(command.clone(), name)?;
+        write_whole(&path, |file| file.write_all(&text))
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    println!("{}: {} pages", out.display(), pages.len());
+    Ok(())
+}
+
+/// Commands and their commands, `help` left out.
+fn collect(of: &clap::Command, name: &str, pages: &mut Vec<(String, clap::Command)>) {
+    for command in of.get_subcommands().filter(|c| c.get_name() != "help") {
+        let name = format!("{name}-{}", command.get_name());
+        pages.push((name.clone(), command.clone()));
+        collect(command, &name, pages);
+    }
+}
+
+fn page(command: clap::Command, title: &str) -> anyhow::Result<Vec<u8>> {
+    let mut text = Vec::new();
+    Man::new(command).title(title).render(&mut text)?;
+    Ok(text)
+}

@@ -1,0 +1,71 @@
+//! Standard output: a reader that has seen enough is no error, colour is for terminals.
+
+use std::fmt::Arguments;
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// In place of the standard library's, which panics when the reader has gone (`armtwin .. | head`).
+macro_rules! print {
+    ($($text:tt)*) => { $crate::cli::out::write(format_args!($($text)*)) };
+}
+macro_rules! println {
+    () => { $crate::cli::out::write(format_args!("\n")) };
+    ($($text:tt)*) => { $crate::cli::out::write(format_args!("{}\n", format_args!($($text)*))) };
+}
+
+/// The work goes on when nobody reads: its files are still wanted.
+pub fn write(text: Arguments<'_>) {
+    static CLOSED: AtomicBool = AtomicBool::new(false);
+    if CLOSED.load(Ordering::Relaxed) {
+        return;
+    }
+    match std::io::stdout().lock().write_fmt(text) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => {
+            CLOSED.store(true, Ordering::Relaxed);
+        }
+        Err(error) => {
+            eprintln!("error: cannot write to standard output: {error}");
+            std::process::exit(1);
+        }
+        Ok(()) => {}
+    }
+}
+
+/// Prints blocks that are parted by empty lines, on a terminal with the first block and the first
+/// line of every other one in bold.
+pub fn page(text: &str) {
+    if is_colourful() { print!("{}", emphasised(text)) } else { print!("{text}") }
+}
+
+fn is_colourful() -> bool {
+    let refused = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
+    let dumb = std::env::var_os("TERM").is_some_and(|v| v == "dumb");
+    !refused && !dumb && std::io::stdout().is_terminal()
+}
+
+fn emphasised(text: &str) -> String {
+    let (mut first_block, mut begins) = (true, true);
+    let mut out = String::new();
+    for line in text.split_inclusive('\n') {
+        let body = line.trim_end_matches('\n');
+        let bold = (first_block || begins) && !body.is_empty();
+        begins = body.is_empty();
+        first_block &= !begins;
+        match bold {
+            true => out += &format!("\u{1b}[1m{body}\u{1b}[0m{}", &line[body.len()..]),
+            false => out += line,
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn answer_and_titles_stand_out() {
+        let text = "an answer\nof two lines\n\ntitle\nbody\n";
+        let expected = "\u{1b}[1man answer\u{1b}[0m\n\u{1b}[1mof two lines\u{1b}[0m\n\n\
+                        \u{1b}[1mtitle\u{1b}[0m\nbody\n";
+        assert_eq!(super::emphasised(text), expected);
+    }
+}

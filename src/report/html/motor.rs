@@ -1,0 +1,133 @@
+//! The report of `motor`: which of the ten parameters come back, and how well.
+
+use maud::{Markup, html};
+
+use super::chart::{Chart, Row};
+use super::frame::{Fact, Page, Section, facts};
+use super::plot::{AFTER, BEFORE, Curve, MEASURED, Plot, key};
+use super::table::table;
+use crate::motor::model::{COUNT, Motor};
+use crate::motor::render::{self, Grid};
+use crate::motor::report::{MethodReport, ScenarioReport};
+
+/// Points of a friction curve.
+const POINTS: usize = 120;
+const COLOURS: [&str; 2] = [BEFORE, AFTER];
+/// A section needs a name that a link can end in.
+const IDS: [&str; 4] = ["scenario-1", "scenario-2", "scenario-3", "scenario-4"];
+
+/// The whole file. `top` is the highest speed of the recordings, rad/s, scenario by scenario.
+pub fn motor_report(reports: &[ScenarioReport], top: &[f64]) -> String {
+    let mut sections: Vec<Section> = reports
+        .iter()
+        .zip(top)
+        .zip(IDS)
+        .map(|((r, top), id)| {
+            Section::new(id, format!("Scenario {}: {}", r.scenario, r.title), scenario(r, *top))
+        })
+        .collect();
+    let about: Vec<Fact> = vec![
+        ("seed".into(), reports.first().map_or(String::new(), |r| r.seed.to_string())),
+        ("armtwin".into(), env!("CARGO_PKG_VERSION").into()),
+    ];
+    let about = html! {
+        (facts(&about))
+        @for r in reports {
+            details {
+                summary { "Settings of scenario " (r.scenario) }
+                pre { (serde_json::to_string_pretty(&r.settings).unwrap_or_default()) }
+            }
+        }
+    };
+    sections.push(Section::new("about", "Settings, version", about));
+    let kind = format!("armtwin {} motor", env!("CARGO_PKG_VERSION"));
+    let picture = html! { @for r in reports { (chart(r)) } };
+    Page { kind: &kind, answer: &answer(reports), picture, sections }.html()
+}
+
+fn answer(reports: &[ScenarioReport]) -> String {
+    let one = |r: &ScenarioReport| {
+        let Some(m) = r.methods.last() else { return String::new() };
+        let sure = m.parameters.iter().filter(|p| p.identifiable && !p.given).count();
+        let free = m.parameters.iter().filter(|p| !p.given).count();
+        let open: Vec<String> = r.unidentifiable.iter().map(|d| d.join(", ")).collect();
+        let except = match open.is_empty() {
+            true => String::new(),
+            false => format!(" (not {})", open.join("; ")),
+        };
+        format!("scenario {}: {sure} of {free} parameters can be identified{except}", r.scenario)
+    };
+    let all: Vec<String> = reports.iter().map(one).collect();
+    let mut text = all.join("; ");
+    if let Some(first) = text.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    text + "."
+}
+
+fn chart(r: &ScenarioReport) -> Markup {
+    let Some(last) = r.methods.last() else { return html! {} };
+    let row = |k: usize| {
+        let p = &last.parameters[k];
+        let half = 50.0 * (p.high - p.low) / p.truth.abs();
+        Row {
+            label: p.name.into(),
+            bar: Some(half).filter(|h| h.is_finite()),
+            dots: r.methods.iter().map(|m| m.parameters[k].error_percent.map(f64::abs)).collect(),
+        }
+    };
+    Chart {
+        about: "Error of every parameter, against its interval",
+        across: "error, % of the truth",
+        bar: "half of the 99 % interval",
+        dots: r.methods.iter().map(|m| m.method).zip(COLOURS).collect(),
+        rows: (0..COUNT).filter(|&k| !last.parameters[k].given).map(row).collect(),
+        caption: &format!(
+            "Scenario {}: how far each estimate is from the truth. No grey bar: no interval is \
+             given, because the data do not determine the parameter. The scale is logarithmic.",
+            r.scenario
+        ),
+    }
+    .markup()
+}
+
+fn scenario(r: &ScenarioReport, top: f64) -> Markup {
+    html! {
+        @for warning in &r.warnings { p.note { "Warning: " (warning) } }
+        @for line in render::remarks(r) { p { (line.trim_end()) } }
+        (friction(r, top))
+        @for grid in render::grids(r) { (grid_table(&grid)) }
+    }
+}
+
+fn grid_table(grid: &Grid) -> Markup {
+    html! { h3 { (grid.title) } (table(&grid.header, grid.left, grid.rows.iter().cloned())) }
+}
+
+/// Friction over speed: of the true motor, and as each method has it.
+fn friction(r: &ScenarioReport, top: f64) -> Markup {
+    let speeds: Vec<f64> = (1..=POINTS).map(|k| k as f64 * top / POINTS as f64).collect();
+    let law = |values: [f64; COUNT]| -> Vec<f64> {
+        let motor = Motor::from_array(&values);
+        speeds.iter().map(|w| motor.sliding_friction(*w, 1.0)).collect()
+    };
+    let values = |m: &MethodReport| std::array::from_fn(|k| m.parameters[k].value);
+    let Some(first) = r.methods.first() else { return html! {} };
+    let truth = std::array::from_fn(|k| first.parameters[k].truth);
+    let curve = |name, colour, y| Curve { name, colour, x: speeds.clone(), y, joined: true };
+    let mut curves = vec![curve("truth", MEASURED, law(truth))];
+    let mut names = vec![("truth", MEASURED)];
+    for (m, colour) in r.methods.iter().zip(COLOURS) {
+        curves.push(curve(m.method, colour, law(values(m))));
+        names.push((m.method, colour));
+    }
+    let plot = Plot {
+        title: "Friction over speed".into(),
+        across: "speed / (rad/s)",
+        up: "torque / N.m",
+        curves,
+        bands: Vec::new(),
+        whole: true,
+    };
+    html! { (key(&names)) div.grid { (plot.markup()) } }
+}
