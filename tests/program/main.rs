@@ -8,6 +8,7 @@ mod detect;
 mod diagnose;
 mod effects;
 mod export;
+mod guide;
 mod identify;
 mod mcmc;
 mod motor;
