@@ -69,9 +69,9 @@ impl Effect for MaxwellSlip {
         starts::spread_over(ABOUT.parameters, 3e-4, 0.03)
     }
 
-    /// Any two springs make a hysteresis that one would not.
+    /// Any of the springs: slips far below what the motion shows are dry friction.
     fn is_itself(&self, linear: &[f64]) -> bool {
-        linear.iter().filter(|level| **level != 0.0).count() > 1
+        linear.iter().any(|level| *level != 0.0)
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
