@@ -20,6 +20,7 @@ pub mod effects;
 pub mod export;
 pub mod files;
 pub mod identification;
+pub mod kernels;
 pub mod motion;
 pub mod motor;
 pub mod recording;

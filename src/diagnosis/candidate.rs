@@ -2,7 +2,7 @@
 
 use super::columns::Blocks;
 use super::evidence::Evidence;
-use crate::effects::{CATALOGUE, Channels, Effect, Motion, Role, Scope, Seen};
+use crate::effects::{self, CATALOGUE, Channels, Effect, Mechanism, Motion, Role, Scope, Seen};
 use crate::twin::Twin;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -48,6 +48,8 @@ impl std::fmt::Debug for Candidate {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
     pub candidate: Candidate,
+    /// As last fitted; empty before.
+    pub linear: Vec<f64>,
     pub nonlinear: Vec<f64>,
     /// Which of `nonlinear` were searched; the others have given values.
     pub searched: Vec<usize>,
@@ -61,6 +63,7 @@ impl Term {
     pub fn new(candidate: Candidate, nonlinear: Vec<f64>) -> Self {
         Self {
             candidate,
+            linear: vec![],
             nonlinear,
             searched: vec![],
             held: vec![false; candidate.linear()],
@@ -96,6 +99,22 @@ fn places(effect: &dyn Effect, twin: &Twin) -> impl Iterator<Item = Place> + use
 }
 
 impl Candidate {
+    /// Loads of earlier ones are in place where later ones are worked out: a base tilts with the
+    /// payload on it.
+    pub fn order(&self) -> (usize, Place) {
+        (effects::order(self.effect), self.place)
+    }
+
+    /// Links, loads and gravity for these values, put into `mechanism`.
+    pub fn build(&self, values: &[f64], mechanism: &mut Mechanism) {
+        let joint = match (self.effect.about().scope, self.place) {
+            (Scope::Joint, _) => return,
+            (_, Place::Joint(j)) => j,
+            (_, Place::Arm) => 0,
+        };
+        self.effect.build(values, joint, mechanism);
+    }
+
     pub fn name(&self) -> &'static str {
         self.effect.about().name
     }
@@ -166,7 +185,7 @@ pub fn sense(
 /// Series before sensors -> what the rows show of them.
 pub fn shown(evidence: &Evidence<'_>, sensors: &[Term], column: Vec<Vec<f64>>) -> Blocks {
     let one = |(joint, series): (usize, Vec<f64>)| match series.iter().any(|v| *v != 0.0) {
-        true => evidence.block(joint, sense(evidence, sensors, joint, series)),
+        true => evidence.block(joint, &sense(evidence, sensors, joint, series)),
         false => Vec::new(),
     };
     Blocks(column.into_iter().enumerate().map(one).collect())

@@ -1,6 +1,6 @@
 //! Columns over the rows of all joints.
 
-use crate::identification::kernels;
+use crate::kernels;
 
 /// One value per row used, joint by joint; a joint without any is zero throughout.
 #[derive(Debug, Clone, PartialEq, Default)]

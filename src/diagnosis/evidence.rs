@@ -3,14 +3,14 @@
 use super::DiagnosisError;
 use super::columns::Blocks;
 use super::floor::Floor;
-use crate::effects::Motion;
+use crate::effects::{Motion, Rigid};
 use crate::robot::Robot;
 use crate::series::JointSeries;
-use crate::signals::{LowPass, Samples};
+use crate::signals::{Decimator, Samples};
 use crate::twin::Twin;
 
 /// Fewer rows of a joint say nothing about it.
-pub const FEWEST_ROWS: usize = 100;
+pub const FEWEST_ROWS: usize = 40;
 
 pub struct Evidence<'a> {
     pub twin: &'a Twin,
@@ -23,7 +23,10 @@ pub struct Evidence<'a> {
     pub torque: Blocks,
     /// What the twin knows, over all samples, before sensors, N.m.
     pub known: JointSeries,
-    filter: Option<LowPass>,
+    filter: Option<Decimator>,
+    /// The twin's robot with what it is known to carry, and its torque.
+    laden: Robot,
+    rigid: Rigid,
 }
 
 impl<'a> Evidence<'a> {
@@ -34,7 +37,7 @@ impl<'a> Evidence<'a> {
         samples: &'a Samples,
         floor: &[Floor],
     ) -> Result<Self, DiagnosisError> {
-        let filter = samples.torque_filter()?;
+        let filter = samples.torque_filter()?.as_ref().map(Decimator::new);
         let sigma = floor.iter().map(|f| f.noise_nm).collect();
         let rows: Vec<Vec<usize>> = (0..samples.joints())
             .map(|j| samples.rows(j).samples)
@@ -50,8 +53,9 @@ impl<'a> Evidence<'a> {
         }
         let known = twin.torque(&twin.motion(samples));
         let torque = Blocks::default();
-        let mut evidence = Self { twin, samples, rows, sigma, torque, known, filter };
-        let torque = |j| evidence.block(j, samples.torque.joint(j).to_vec());
+        let (laden, rigid) = (twin.laden(), Rigid::new(samples.joints()));
+        let mut evidence = Self { twin, samples, rows, sigma, torque, known, filter, laden, rigid };
+        let torque = |j| evidence.block(j, samples.torque.joint(j));
         evidence.torque = Blocks((0..samples.joints()).map(torque).collect());
         Ok(evidence)
     }
@@ -65,17 +69,21 @@ impl<'a> Evidence<'a> {
         Motion { robot, ..self.twin.motion(self.samples) }
     }
 
+    /// What is kept of the rigid arm's torque along this motion, if `robot` is the one it is of.
+    pub fn rigid(&self, robot: &Robot) -> Option<&Rigid> {
+        (*robot == self.laden).then_some(&self.rigid)
+    }
+
     /// A series over all samples of a joint -> its rows, filtered as the torque is.
-    pub fn block(&self, joint: usize, series: Vec<f64>) -> Vec<f64> {
+    pub fn block(&self, joint: usize, series: &[f64]) -> Vec<f64> {
         let rows = &self.rows[joint];
         if rows.is_empty() {
             return Vec::new();
         }
-        let mut series = [series];
-        if let Some(filter) = &self.filter {
-            filter.apply_many(&mut series);
+        match &self.filter {
+            Some(filter) => filter.at(rows, &series),
+            None => rows.iter().map(|&k| series[k]).collect(),
         }
-        rows.iter().map(|&k| series[0][k]).collect()
     }
 
     /// Rows over all samples, zero elsewhere.

@@ -3,6 +3,7 @@
 mod answer;
 mod bootstrap;
 mod candidate;
+mod chance;
 mod columns;
 mod conditioning;
 mod evidence;

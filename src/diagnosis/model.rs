@@ -7,7 +7,7 @@ use super::candidate::{Candidate, Place, Term, sense, shown};
 use super::columns::Blocks;
 use super::evidence::Evidence;
 use super::system::System;
-use crate::effects::{Mechanism, Motion, Role, Scope, find};
+use crate::effects::{Mechanism, Motion, Rigid, Role, Scope, find};
 use crate::robot::Robot;
 use crate::series::JointSeries;
 use crate::twin::Twin;
@@ -96,21 +96,31 @@ impl Model {
         start..start + self.causes[i].candidate.linear()
     }
 
-    /// `laden` with what the accepted causes weigh at the values `x`.
+    /// Takes over the values `x` of the causes, and what they weigh.
     fn carry(&mut self, twin: &Twin, x: &DVector<f64>) {
-        let mut mechanism = Mechanism::new(twin.laden());
-        for (i, term) in self.causes.iter().enumerate() {
-            let (scope, joint) = match (term.candidate.effect.about().scope, term.candidate.place) {
-                (Scope::Joint, _) => continue,
-                (scope, Place::Joint(j)) => (scope, j),
-                (scope, Place::Arm) => (scope, 0),
-            };
-            debug_assert!(scope != Scope::Joint);
-            let linear = x.as_slice()[self.range(i)].iter();
-            let values: Vec<f64> = linear.chain(&term.nonlinear).copied().collect();
-            term.candidate.effect.build(&values, joint, &mut mechanism);
+        for i in 0..self.causes.len() {
+            self.causes[i].linear = x.as_slice()[self.range(i)].to_vec();
         }
-        self.laden = mechanism.robot;
+        self.laden = self.built(twin, |_| true);
+    }
+
+    /// The twin's robot with known loads and those of the causes that `which` asks for.
+    fn built(&self, twin: &Twin, which: impl Fn(&Candidate) -> bool) -> Robot {
+        let mut mechanism = Mechanism::new(twin.laden());
+        let fitted = self.causes.iter().filter(|t| !t.linear.is_empty() && which(&t.candidate));
+        let mut causes: Vec<&Term> = fitted.collect();
+        causes.sort_by_key(|t| t.candidate.order());
+        for term in causes {
+            let values: Vec<f64> = term.linear.iter().chain(&term.nonlinear).copied().collect();
+            term.candidate.build(&values, &mut mechanism);
+        }
+        mechanism.robot
+    }
+
+    /// Does one cause depend on what others weigh?
+    fn is_entangled(&self) -> bool {
+        let loads = |t: &&Term| t.candidate.effect.about().scope != Scope::Joint;
+        self.causes.iter().filter(loads).count() > 1
     }
 }
 
@@ -135,7 +145,7 @@ impl Built {
         }
         let known = (0..evidence.joints()).map(|j| {
             let series = evidence.known.joint(j).to_vec();
-            evidence.block(j, sense(evidence, &model.causes, j, series))
+            evidence.block(j, &sense(evidence, &model.causes, j, series))
         });
         built.y.add_scaled(-1.0, &Blocks(known.collect()));
         built
@@ -155,11 +165,17 @@ impl Built {
 
 /// The columns of a term over all samples, before sensors.
 fn signature(evidence: &Evidence<'_>, model: &Model, term: &Term) -> Vec<Vec<Vec<f64>>> {
+    let under;
     let robot = match term.candidate.effect.about().scope {
         Scope::Joint => &model.laden,
-        _ => &evidence.twin.robot,
+        _ => {
+            let place = term.candidate.order();
+            under = model.built(evidence.twin, |c| c.order() < place);
+            &under
+        }
     };
-    let motion = Motion { known: Some(&evidence.known), ..evidence.motion(robot) };
+    let (known, rigid) = (Some(&evidence.known), evidence.rigid(robot));
+    let motion = Motion { known, rigid, ..evidence.motion(robot) };
     term.series(&motion)
 }
 
@@ -172,11 +188,19 @@ pub struct Fit<'a, 'e> {
     pub squares: Vec<f64>,
     /// What the model gives, over all samples, N.m.
     modelled: JointSeries,
+    /// Where the causes weigh something.
+    rigid: Rigid,
 }
 
 impl<'a, 'e> Fit<'a, 'e> {
-    /// Least squares; joints are weighted by what the model leaves of them, in two rounds.
-    pub fn new(evidence: &'a Evidence<'e>, mut model: Model) -> Self {
+    /// Least squares; joints are weighted by what the model leaves of them, in two rounds. Twice
+    /// where one cause depends on the values of another.
+    pub fn new(evidence: &'a Evidence<'e>, model: Model) -> Self {
+        let fit = Self::once(evidence, model);
+        if fit.model.is_entangled() { Self::once(evidence, fit.model) } else { fit }
+    }
+
+    fn once(evidence: &'a Evidence<'e>, mut model: Model) -> Self {
         let built = Built::new(evidence, &model);
         let priors = model.priors();
         let weights = evidence.weights(&built.y.squares());
@@ -186,16 +210,15 @@ impl<'a, 'e> Fit<'a, 'e> {
         let modelled = built.modelled(evidence, &system.x);
         model.carry(evidence.twin, &system.x);
         let squares = system.residual.squares();
-        Self { evidence, model, system, squares, modelled }
+        let rigid = Rigid::new(evidence.joints());
+        Self { evidence, model, system, squares, modelled, rigid }
     }
 
     /// The columns of a further candidate, as the rows show them.
     pub fn columns(&self, candidate: Candidate, nonlinear: &[f64]) -> Vec<Blocks> {
-        let robot = match candidate.effect.about().scope {
-            Scope::Joint => &self.model.laden,
-            _ => &self.evidence.twin.robot,
-        };
-        let motion = Motion { known: Some(&self.modelled), ..self.evidence.motion(robot) };
+        let laden = &self.model.laden;
+        let rigid = Some(self.evidence.rigid(laden).unwrap_or(&self.rigid));
+        let motion = Motion { known: Some(&self.modelled), rigid, ..self.evidence.motion(laden) };
         let series = candidate.series(&motion, nonlinear);
         let sensors = &self.model.causes;
         series.into_iter().map(|column| shown(self.evidence, sensors, column)).collect()

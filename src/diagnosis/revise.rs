@@ -122,8 +122,9 @@ impl<'a, 'e> Search<'a, 'e> {
         candidates: &[Candidate],
         most: usize,
     ) -> Vec<Hypothesis<'a, 'e>> {
-        let (screened, _) = search::screen(&state.fit, candidates, &[]);
-        self.rank(state, &screened[..screened.len().min(most)])
+        let screened = search::screen(&state.fit, candidates, &[]);
+        let best: Vec<Trial> = screened.into_iter().take(most).map(|(trial, _)| trial).collect();
+        self.rank(state, &best)
     }
 
     /// Score of two causes at once over the state without them.

@@ -18,6 +18,8 @@ const ROUNDS: usize = 5;
 const WORTH_ANOTHER: f64 = 0.003;
 /// Relative difference of a reference from its value that calls for refining.
 const INCONSISTENT: f64 = 0.02;
+/// Values looked at between the ends of a bracket with several optima.
+const SCANNED: usize = 9;
 /// Of a refined parameter, relative to the bracket (of its logarithm where positive).
 const TOLERANCE: f64 = 0.01;
 /// Rounds of setting references from what was fitted.
@@ -30,6 +32,8 @@ pub struct Trial {
     pub linear: Vec<f64>,
     pub nonlinear: Vec<f64>,
     pub gain: f64,
+    /// Half the weighted squares of the residual where it acts: no gain is larger.
+    pub most: f64,
     /// Where the search began.
     pub starts: Arc<Vec<Vec<f64>>>,
 }
@@ -38,7 +42,8 @@ impl Trial {
     pub fn term(&self) -> Term {
         let held = self.linear.iter().map(|v| *v == 0.0).collect();
         let (candidate, nonlinear) = (self.candidate, self.nonlinear.clone());
-        Term { searched: self.searched(), held, ..Term::new(candidate, nonlinear) }
+        let (linear, searched) = (self.linear.clone(), self.searched());
+        Term { linear, searched, held, ..Term::new(candidate, nonlinear) }
     }
 
     /// The nonlinear parameters that are searched: those that differ among the starts.
@@ -49,28 +54,25 @@ impl Trial {
     }
 }
 
-/// The best start of every candidate, best first, and the largest gain any candidate makes on each surrogate.
+/// The best start of every candidate, best first, each with what the same candidate gains on every
+/// surrogate.
 pub fn screen(
     fit: &Fit,
     candidates: &[Candidate],
     surrogates: &[Blocks],
-) -> (Vec<Trial>, Vec<f64>) {
-    let each: Vec<(Trial, Vec<f64>)> =
+) -> Vec<(Trial, Vec<f64>)> {
+    let mut each: Vec<(Trial, Vec<f64>)> =
         candidates.par_iter().map(|c| best_start(fit, *c, surrogates)).collect();
-    let mut largest = vec![0.0f64; surrogates.len()];
-    for (_, gains) in &each {
-        largest.iter_mut().zip(gains).for_each(|(l, g)| *l = l.max(*g));
-    }
-    let mut best: Vec<Trial> = each.into_iter().map(|(trial, _)| trial).collect();
-    best.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    (best, largest)
+    each.sort_by(|(a, _), (b, _)| b.gain.total_cmp(&a.gain));
+    each
 }
 
 /// A term of a model as a trial on the fit without it.
 pub fn tried(fit: &Fit, term: &Term) -> Trial {
     let starts = Arc::new(term.candidate.starts(&fit.motion()));
     let (candidate, linear) = (term.candidate, vec![]);
-    let at = Trial { candidate, linear, nonlinear: vec![], gain: f64::NEG_INFINITY, starts };
+    let (gain, most) = (f64::NEG_INFINITY, 0.0);
+    let at = Trial { candidate, linear, nonlinear: vec![], gain, most, starts };
     evaluate(fit, &at, term.nonlinear.clone())
 }
 
@@ -81,6 +83,7 @@ fn best_start(fit: &Fit, candidate: Candidate, surrogates: &[Blocks]) -> (Trial,
         linear: vec![],
         nonlinear: vec![],
         gain: f64::NEG_INFINITY,
+        most: 0.0,
         starts: starts.clone(),
     };
     let mut largest = vec![0.0f64; surrogates.len()];
@@ -111,11 +114,19 @@ fn with_columns(fit: &Fit, at: Trial, surrogates: &[Blocks], largest: &mut [f64]
     let bounds = linear_bounds(at.candidate);
     let projected = fit.system.project(&columns);
     let (linear, gain) = projected.solve(&projected.pull, &bounds);
+    let most = most(fit, &columns);
     for (surrogate, largest) in surrogates.iter().zip(largest) {
         let pull: DVector<f64> = fit.system.pull(&columns, surrogate);
         *largest = largest.max(projected.solve(&pull, &bounds).1);
     }
-    Trial { linear: linear.as_slice().to_vec(), gain, ..at }
+    Trial { linear: linear.as_slice().to_vec(), gain, most, ..at }
+}
+
+/// Half the weighted squares of what `fit` leaves at the joints that columns touch.
+fn most(fit: &Fit, columns: &[Blocks]) -> f64 {
+    let touched = |j: &usize| columns.iter().any(|c| c.touches(*j));
+    let joints = (0..fit.squares.len()).filter(touched);
+    joints.map(|j| 0.5 * fit.system.weights[j] * fit.squares[j]).sum()
 }
 
 /// A sensor changes every column: everything is fitted again.
@@ -215,7 +226,7 @@ fn along(fit: &Fit, best: Trial, i: usize) -> Trial {
         nonlinear[i] = if by_ratio { u.exp() } else { u };
         nonlinear
     };
-    line(fit, best, [to(below), to(above)], at)
+    line(fit, best, i, [to(below), to(above)], at)
 }
 
 /// What nonlinear parameter `i` gains `k` loses, as much as is best: the start of a stretch of time
@@ -231,24 +242,39 @@ fn exchange(fit: &Fit, best: Trial, i: usize, k: usize) -> Trial {
         nonlinear[k] -= u;
         nonlinear
     };
-    line(fit, best, [low, high], at)
+    line(fit, best, i, [low, high], at)
 }
 
-/// The starts next to the value of nonlinear parameter `i`, or the ends of its range.
+/// The starts next to the value of nonlinear parameter `i`; beyond the last one as far as to the
+/// one before, within the range.
 fn neighbours(trial: &Trial, i: usize) -> [f64; 2] {
     let parameter = &trial.candidate.effect.about().parameters[trial.candidate.linear() + i];
     let now = trial.nonlinear[i];
-    let others = trial.starts.iter().map(|s| s[i]);
-    let below = others.clone().filter(|v| *v < now).fold(parameter.min, f64::max);
-    [below, others.filter(|v| *v > now).fold(parameter.max, f64::min)]
+    if let Some(ends) = trial.candidate.effect.bracket(&trial.nonlinear, i) {
+        return ends.map(|end| parameter.clamp(end));
+    }
+    let others = || trial.starts.iter().map(|s| s[i]);
+    let below = others().filter(|v| *v < now).reduce(f64::max);
+    let above = others().filter(|v| *v > now).reduce(f64::min);
+    let mirrored =
+        |other: f64| if parameter.min > 0.0 { now * now / other } else { 2.0 * now - other };
+    let end = |other: Option<f64>, end: f64| match other {
+        Some(other) => parameter.clamp(mirrored(other)),
+        None => end,
+    };
+    [
+        below.unwrap_or_else(|| end(above, parameter.min)),
+        above.unwrap_or_else(|| end(below, parameter.max)),
+    ]
 }
 
 /// The best trial on a line through the nonlinear parameters, between two ends.
-fn line(fit: &Fit, best: Trial, ends: [f64; 2], at: impl Fn(f64) -> Vec<f64>) -> Trial {
+fn line(fit: &Fit, best: Trial, i: usize, ends: [f64; 2], at: impl Fn(f64) -> Vec<f64>) -> Trial {
+    let scan = best.candidate.effect.bracket(&best.nonlinear, i).is_some();
     let parameters = &best.candidate.effect.about().parameters[best.candidate.linear()..];
     let fixed = best.clone();
     let mut top = best;
-    let cost = |u: f64| {
+    let mut cost = |u: f64| {
         let inside = at(u).iter().zip(parameters).map(|(v, p)| p.clamp(*v)).collect();
         let trial = evaluate(fit, &fixed, inside);
         let cost = -trial.gain;
@@ -257,9 +283,15 @@ fn line(fit: &Fit, best: Trial, ends: [f64; 2], at: impl Fn(f64) -> Vec<f64>) ->
         }
         cost
     };
-    let [low, high] = ends;
+    let [mut low, mut high] = ends;
+    if high > low && scan {
+        let step = (high - low) / (SCANNED - 1) as f64;
+        let costs = (0..SCANNED).map(|k| low + step * k as f64).map(|u| (u, cost(u)));
+        let best = costs.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(low, |(u, _)| u);
+        (low, high) = ((best - step).max(low), (best + step).min(high));
+    }
     if high > low {
-        brent::minimise(cost, low, high, TOLERANCE * (high - low));
+        brent::minimise(&mut cost, low, high, TOLERANCE * (high - low));
     }
     top
 }

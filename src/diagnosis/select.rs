@@ -5,7 +5,8 @@
 
 use std::sync::Arc;
 
-use super::candidate::Candidate;
+use super::candidate::{Candidate, Place};
+use super::chance::Chance;
 use super::evidence::Evidence;
 use super::leftover::in_motion_band;
 use super::model::Model;
@@ -13,6 +14,7 @@ use super::rank::{Hypothesis, LEAST_NATS, State, acts_on, describe};
 use super::search::{self, Trial};
 use super::surrogates::surrogates;
 use super::{Settings, significance};
+use crate::effects::Scope;
 
 /// Causes that are looked for one after the other.
 const MOST_CAUSES: usize = 5;
@@ -41,8 +43,30 @@ pub struct Round<'a, 'e> {
     pub tolerance: f64,
     /// Index in `ranked` of the one that was added, if any.
     pub accepted: Option<usize>,
+    /// Indices of the same effect at other joints, added along.
+    pub along: Vec<usize>,
     /// Why not, where none was.
     pub declined: Option<String>,
+}
+
+/// Where a candidate changes torque.
+#[derive(Clone, Copy, PartialEq)]
+enum Extent {
+    One(usize),
+    Several,
+}
+
+impl Extent {
+    fn of(candidate: Candidate) -> Self {
+        match candidate.place {
+            Place::Joint(j) if candidate.effect.about().scope == Scope::Joint => Self::One(j),
+            _ => Self::Several,
+        }
+    }
+
+    fn meets(self, other: Self) -> bool {
+        self == other || self == Self::Several || other == Self::Several
+    }
 }
 
 pub struct Search<'a, 'e> {
@@ -50,6 +74,14 @@ pub struct Search<'a, 'e> {
     pub check: &'a Evidence<'e>,
     pub settings: &'a Settings,
     pub candidates: Vec<Candidate>,
+}
+
+impl Round<'_, '_> {
+    /// With what was added.
+    fn model(&self) -> Option<Model> {
+        let best = self.accepted.map(|i| self.ranked[i].fit.model.clone())?;
+        Some(self.along.iter().fold(best, |model, &i| model.with(self.ranked[i].trial.term())))
+    }
 }
 
 impl<'a, 'e> Search<'a, 'e> {
@@ -63,7 +95,7 @@ impl<'a, 'e> Search<'a, 'e> {
                 break;
             }
             let round = self.round(&state);
-            let added = round.accepted.map(|i| round.ranked[i].fit.model.clone());
+            let added = round.model();
             rounds.push(round);
             let Some(added) = added else { break };
             let revised = self.revise(added);
@@ -88,50 +120,80 @@ impl<'a, 'e> Search<'a, 'e> {
         around.iter_mut().for_each(|s| state.fit.system.take_out(s));
         let open = self.candidates.iter().filter(|c| !state.fit.model.has(**c));
         let open: Vec<Candidate> = open.copied().collect();
-        let (screened, by_chance) = search::screen(&state.fit, &open, &around);
+        let (screened, gains): (Vec<Trial>, Vec<Vec<f64>>) =
+            search::screen(&state.fit, &open, &around).into_iter().unzip();
         let ranked = self.rank(state, &screened[..screened.len().min(REFINED)]);
-        let grid = |h: &Hypothesis| {
-            let same = |t: &&Trial| t.candidate == h.trial.candidate;
-            screened.iter().find(same).map_or(0.0, |t| t.gain)
-        };
+        let chance = Chance::new(&screened, &gains, around.len());
         let p = |h: &Hypothesis| {
-            let as_good = by_chance.iter().filter(|g| **g >= grid(h)).count();
-            (1 + as_good) as f64 / (1 + by_chance.len()) as f64
+            let same = |t: &Trial| t.candidate == h.trial.candidate;
+            screened.iter().position(same).map_or(1.0, |i| chance.p(i))
         };
         let in_motion_band = in_motion_band(self.check, &state.residual);
         let best = ranked.iter().find(|h| h.at_bound.is_none());
         let tolerance = best.map_or(LEAST_NATS, |best| self.tolerance(best));
-        let (accepted, declined) = match best {
-            None => (None, Some("nothing gains anything".to_string())),
-            Some(best) => {
-                let from = best.score - tolerance;
-                self.decide(state, &ranked, from, &in_motion_band, &p)
-            }
+        let (accepted, declined) = self.decide(state, &ranked, tolerance, &in_motion_band, &p);
+        let along = match accepted {
+            Some(best) => self.along(state, &ranked, best, &in_motion_band, &p),
+            None => Vec::new(),
         };
         let p = best.map_or(1.0, p);
         let ranked = Arc::new(ranked);
-        Round { ranked, p, screened, in_motion_band, tolerance, accepted, declined }
+        Round { ranked, p, screened, in_motion_band, tolerance, accepted, along, declined }
     }
 
-    /// The first of the ranking that can be accepted, down to the score `from`; what is at a bound
-    /// is no explanation.
+    /// An arm's drives are alike: what is found at one is accepted at others as well, where it
+    /// stands by itself. Only effects that stay at their joint, or they would share the same gap.
+    fn along(
+        &self,
+        state: &State,
+        ranked: &[Hypothesis],
+        best: usize,
+        in_motion_band: &[f64],
+        p: &dyn Fn(&Hypothesis) -> f64,
+    ) -> Vec<usize> {
+        let Candidate { effect, place } = ranked[best].trial.candidate;
+        if place == Place::Arm || effect.about().scope != Scope::Joint {
+            return Vec::new();
+        }
+        let alike = |h: &Hypothesis| {
+            let candidate = h.trial.candidate;
+            candidate.name() == effect.about().name && matches!(candidate.place, Place::Joint(_))
+        };
+        let stands = |h: &Hypothesis| {
+            let enough = h.score > LEAST_NATS && h.at_bound.is_none();
+            enough && self.objection(state, h, in_motion_band, p(h)).is_none()
+        };
+        let others = ranked.iter().enumerate().filter(|(i, h)| *i != best && alike(h));
+        others.filter(|(_, h)| stands(h)).map(|(i, _)| i).collect()
+    }
+
+    /// The first of the ranking that can be accepted; what is at a bound is no explanation. Where
+    /// the best of a joint is declined, so is what fits that joint worse.
     fn decide(
         &self,
         state: &State,
         ranked: &[Hypothesis],
-        from: f64,
+        tolerance: f64,
         in_motion_band: &[f64],
         p: &dyn Fn(&Hypothesis) -> f64,
     ) -> (Option<usize>, Option<String>) {
-        let near = ranked.iter().take_while(|h| h.score >= from);
+        let mut declined: Vec<(Extent, f64)> = Vec::new();
         let mut why = None;
-        for (i, h) in near.enumerate().filter(|(_, h)| h.at_bound.is_none()) {
+        for (i, h) in ranked.iter().enumerate().filter(|(_, h)| h.at_bound.is_none()) {
+            let extent = Extent::of(h.trial.candidate);
+            let worse = |(other, score): &(Extent, f64)| {
+                extent.meets(*other) && h.score < score - tolerance
+            };
+            if declined.iter().any(worse) {
+                continue;
+            }
             match self.objection(state, h, in_motion_band, p(h)) {
                 None => return (Some(i), None),
                 Some(objection) => why = why.or(Some(objection)),
             }
+            declined.push((extent, h.score));
         }
-        (None, why)
+        (None, why.or_else(|| Some("nothing gains anything".to_string())))
     }
 
     fn objection(

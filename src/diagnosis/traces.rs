@@ -152,7 +152,7 @@ impl Made<'_, '_> {
             load: at(load),
             since_reversal: at(&since_reversal(samples, j)),
             torque: check.torque.joint(j).to_vec(),
-            masses: check.block(j, self.masses.joint(j).to_vec()),
+            masses: check.block(j, self.masses.joint(j)),
             before: self.blocks[0].joint(j).to_vec(),
             after: self.blocks[1].joint(j).to_vec(),
             regimes: regimes

@@ -8,7 +8,7 @@ use super::evidence::Evidence;
 use super::kinematics::{self, Lagging};
 use super::leftover::{Remains, SYSTEMATIC, in_motion_band, leftover};
 use super::model::{Fit, Model};
-use super::rank::{Hypothesis, State, acts_on, describe};
+use super::rank::{Hypothesis, LEAST_NATS, State, acts_on, describe};
 use super::revise::Standing;
 use super::select::{Round, Search};
 use super::untestable::untestable;
@@ -344,13 +344,16 @@ impl<'a, 'e> Findings<'a, 'e> {
     }
 }
 
-/// What does as well within the tolerance, and is not rejected.
+/// What does as well within the tolerance, and is not rejected: by its score, or by what it explains
+/// where only the price of a further parameter sets it behind.
 fn equivalents(standing: &Standing) -> Vec<Named> {
     let cause = standing.cause();
+    let explained = |h: &Hypothesis| h.gain_fit + h.gain_check;
     let near = |o: &&Hypothesis| {
         o.trial.candidate != cause.trial.candidate
             && o.at_bound.is_none()
-            && o.score >= cause.score - standing.tolerance
+            && (o.score >= cause.score - standing.tolerance
+                || explained(o) >= explained(cause) - LEAST_NATS)
     };
     standing.ranked.iter().filter(near).map(named).collect()
 }

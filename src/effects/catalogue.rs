@@ -3,7 +3,8 @@
 use super::Effect;
 
 /// Every effect armtwin knows, in the order of the docs. A twin adds up their torques in this order
-/// (what scales the drive's torque after what makes it), and sensors show them in this order.
+/// (what scales the drive's torque after what makes it, what turns gravity after what has mass), and
+/// sensors show them in this order.
 pub static CATALOGUE: &[&dyn Effect] = &[
     &super::coulomb::Coulomb,
     &super::viscous::Viscous,
@@ -22,8 +23,8 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &super::cable_spring::CableSpring,
     &super::joint_coupling::JointCoupling,
     &super::rotor_inertia::RotorInertia,
-    &super::payload::Payload,
     &super::link_inertia::LinkInertia,
+    &super::payload::Payload,
     &super::external_contact::ExternalContact,
     &super::base_tilt::BaseTilt,
     &super::encoder_offset::EncoderOffset,
@@ -39,6 +40,12 @@ pub static CATALOGUE: &[&dyn Effect] = &[
 /// By the name in its `about`.
 pub fn find(name: &str) -> Option<&'static dyn Effect> {
     CATALOGUE.iter().copied().find(|e| e.about().name == name)
+}
+
+/// Where an effect stands in the catalogue.
+pub fn order(effect: &dyn Effect) -> usize {
+    let same = |e: &&dyn Effect| e.about().name == effect.about().name;
+    CATALOGUE.iter().position(same).unwrap_or(CATALOGUE.len())
 }
 
 /// All names, in the order of the docs, for messages: `coulomb, viscous, ...`.

@@ -3,7 +3,6 @@
 //! The columns are linear in small offsets; felt by all joints.
 
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope};
-use crate::robot::inverse_dynamics_series;
 use crate::series::JointSeries;
 
 pub struct EncoderOffset;
@@ -35,23 +34,11 @@ impl Effect for EncoderOffset {
     }
 
     fn reach(&self, motion: &Motion<'_>, from: usize, _: &[f64]) -> Vec<JointSeries> {
-        let shifted = |by: f64| {
-            let mut q = motion.q.clone();
-            q.joint_mut(from).iter_mut().for_each(|q| *q += by);
-            inverse_dynamics_series(motion.robot, &q, motion.qd, motion.qdd)
-        };
-        let (above, mut slope) = (shifted(STEP_RAD), shifted(-STEP_RAD));
-        for j in 0..slope.joints() {
-            let both = slope.joint_mut(j).iter_mut().zip(above.joint(j));
-            both.for_each(|(below, above)| *below = (*below - above) / (2.0 * STEP_RAD));
-        }
-        vec![slope]
+        // The joint stands behind what its encoder shows.
+        vec![motion.slopes(from).0[0].map_joints(|_, slope| slope.iter().map(|s| -s).collect())]
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         mechanism.encoder_zero[joint] += values[0];
     }
 }
-
-/// Of the central difference.
-const STEP_RAD: f64 = 1e-5;

@@ -96,6 +96,15 @@ impl Effect for ExternalContact {
         rows
     }
 
+    /// Both ends of the window move by up to half its length.
+    fn bracket(&self, nonlinear: &[f64], i: usize) -> Option<[f64; 2]> {
+        match (i, nonlinear) {
+            (0, [start, duration, _]) => Some([start - 0.5 * duration, start + 0.5 * duration]),
+            (1, [_, duration, _]) => Some([0.5 * duration, 1.5 * duration]),
+            _ => None,
+        }
+    }
+
     fn reach(&self, motion: &Motion<'_>, _: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
         let dof = motion.q.joints();
         let mut columns = vec![JointSeries::zeros(dof, motion.samples()); 3];

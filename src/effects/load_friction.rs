@@ -6,7 +6,6 @@
 
 use super::coulomb::sign;
 use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
-use crate::robot::inverse_dynamics_series;
 
 pub struct LoadFriction;
 
@@ -36,7 +35,7 @@ impl Effect for LoadFriction {
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {
-        let load = inverse_dynamics_series(motion.robot, motion.q, motion.qd, motion.qdd);
+        let load = motion.rigid_torque();
         let both = load.joint(joint).iter().zip(motion.qd.joint(joint));
         vec![both.map(|(load, &qd)| sign(qd) * load.abs()).collect()]
     }

@@ -28,6 +28,7 @@ mod motion;
 mod payload;
 mod presliding;
 mod quantisation;
+mod rigid;
 mod rotor_inertia;
 mod starts;
 mod state;
@@ -46,10 +47,11 @@ mod wind_up;
 #[cfg(test)]
 mod tests;
 
-pub use catalogue::{CATALOGUE, find, names};
+pub use catalogue::{CATALOGUE, find, names, order};
 pub use channels::Channels;
 pub use mechanism::{ControlChange, Mechanism, Transmission};
 pub use motion::Motion;
+pub use rigid::{Rigid, Slopes};
 pub use state::{ArmState, JointLoad, JointState};
 
 use crate::robot::Robot;
@@ -207,6 +209,12 @@ pub trait Effect: Sync {
     /// rows is then refined within its bounds, what is the same in all stays.
     fn starts(&self, _motion: &Motion<'_>, _joint: usize) -> Vec<Vec<f64>> {
         starts::spread(self.about().parameters)
+    }
+
+    /// Ends between which nonlinear parameter `i` is searched around these values, where a fit may
+    /// have several optima between them; `None`: between the neighbouring starts.
+    fn bracket(&self, _nonlinear: &[f64], _i: usize) -> Option<[f64; 2]> {
+        None
     }
 
     /// Explain: where columns hold only near a reference that follows from the linear parameters

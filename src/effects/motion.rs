@@ -1,6 +1,9 @@
 //! What an effect is explained with.
 
-use crate::robot::{Robot, inverse_dynamics_series};
+use std::borrow::Cow;
+
+use super::rigid::{self, Rigid, Slopes};
+use crate::robot::Robot;
 use crate::series::JointSeries;
 
 /// Conditioned motion of all joints, and the arm it belongs to.
@@ -17,13 +20,17 @@ pub struct Motion<'a> {
     pub qdd: &'a JointSeries,
     /// deg C, where known.
     pub temperature: Option<&'a JointSeries>,
+    /// Up to which frequency torques are compared, Hz; infinite without a filter.
+    pub band_hz: f64,
     /// What is known of the drive's torque without the effect in question, N.m: see
     /// [`Motion::drive_torque`].
     pub known: Option<&'a JointSeries>,
+    /// Of `robot` along this motion, kept for the next candidate; `None` works it out each time.
+    pub rigid: Option<&'a Rigid>,
 }
 
 impl<'a> Motion<'a> {
-    /// Motion from time 0, without temperatures.
+    /// Motion from time 0, without temperatures or filter.
     pub fn new(
         robot: &'a Robot,
         dt: f64,
@@ -31,7 +38,18 @@ impl<'a> Motion<'a> {
         qd: &'a JointSeries,
         qdd: &'a JointSeries,
     ) -> Self {
-        Self { robot, start: 0.0, dt, q, qd, qdd, temperature: None, known: None }
+        Self {
+            robot,
+            start: 0.0,
+            dt,
+            q,
+            qd,
+            qdd,
+            temperature: None,
+            band_hz: f64::INFINITY,
+            known: None,
+            rigid: None,
+        }
     }
 
     pub fn samples(&self) -> usize {
@@ -44,12 +62,27 @@ impl<'a> Motion<'a> {
     }
 
     /// What the gears carry, N.m: the torque of the rigid robot.
-    pub fn rigid_torque(&self) -> JointSeries {
-        inverse_dynamics_series(self.robot, self.q, self.qd, self.qdd)
+    pub fn rigid_torque(&self) -> Cow<'a, JointSeries> {
+        match self.rigid {
+            Some(kept) => Cow::Borrowed(kept.torque(self.robot, self.series())),
+            None => Cow::Owned(rigid::torque(self.robot, self.series())),
+        }
+    }
+
+    /// How that changes with the motion of `joint`.
+    pub fn slopes(&self, joint: usize) -> Cow<'a, Slopes> {
+        match self.rigid {
+            Some(kept) => Cow::Borrowed(kept.slopes(self.robot, self.series(), joint)),
+            None => Cow::Owned(Slopes::new(self.robot, self.series(), joint)),
+        }
+    }
+
+    fn series(&self) -> [&'a JointSeries; 3] {
+        [self.q, self.qd, self.qdd]
     }
 
     /// What is known of the drive's torque, N.m; the rigid robot's where nothing else is.
     pub fn drive_torque(&self) -> JointSeries {
-        self.known.cloned().unwrap_or_else(|| self.rigid_torque())
+        self.known.cloned().unwrap_or_else(|| self.rigid_torque().into_owned())
     }
 }

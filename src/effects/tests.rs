@@ -205,7 +205,9 @@ fn linear_count(effect: &dyn Effect) -> usize {
 
 /// Values within the bounds, the same draw for every effect; references where they belong.
 fn draw(effect: &dyn Effect, rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let inside = |p: &Parameter| p.min + (p.max - p.min) * rng.random_range(0.05..0.95);
+    // No link may weigh less than nothing.
+    let least = |p: &Parameter| if p.unit == "kg" { p.min.max(0.0) } else { p.min };
+    let inside = |p: &Parameter| least(p) + (p.max - least(p)) * rng.random_range(0.05..0.95);
     let drawn: Vec<f64> = effect.about().parameters.iter().map(inside).collect();
     let place = |name| effect.about().parameters.iter().position(|p| p.name == name);
     let own = |i: &usize| !effect.about().parameters[*i].is_reference();

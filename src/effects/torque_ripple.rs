@@ -77,18 +77,22 @@ impl Effect for TorqueRipple {
 const HIGHEST_ORDER: f64 = 400.0;
 /// Finest step between orders.
 const FINEST_STEP: f64 = 0.5;
+/// Slower joints show no ripple over time.
+const STANDING_RAD_S: f64 = 0.02;
 /// Share of the sampling rate up to which a ripple is followed at the median speed.
 const RESOLVED: f64 = 0.4;
 
 /// As finely as the joint's angular range tells neighbours apart (a quarter turn of phase over
-/// it), as high as samples follow at the joint's median speed.
+/// it), as high as samples and the torque's filter follow at the joint's median speed.
 fn orders(motion: &Motion<'_>, joint: usize) -> Vec<f64> {
     let [low, high] = starts::range(motion, joint);
     let step = FINEST_STEP.max(0.5 * PI / (high - low).max(1e-6));
-    let mut speeds: Vec<f64> = motion.qd.joint(joint).iter().map(|qd| qd.abs()).collect();
+    let speeds = motion.qd.joint(joint).iter().map(|qd| qd.abs());
+    let mut speeds: Vec<f64> = speeds.filter(|speed| *speed > STANDING_RAD_S).collect();
     speeds.sort_by(f64::total_cmp);
     let median = speeds.get(speeds.len() / 2).copied().unwrap_or(0.0);
-    let highest = (2.0 * PI * RESOLVED / (motion.dt * median.max(1e-6))).min(HIGHEST_ORDER);
+    let followed = (RESOLVED / motion.dt).min(motion.band_hz);
+    let highest = (2.0 * PI * followed / median.max(1e-6)).min(HIGHEST_ORDER);
     let count = ((highest - 1.0) / step).floor().max(0.0) as usize;
     (0..=count).map(|i| 1.0 + i as f64 * step).collect()
 }

@@ -10,13 +10,12 @@
 //! Control 109(4), 1987, eqs. 2 and 3, for a given motor motion).
 
 use super::{Motion, Transmission};
-use crate::robot::{Workspace, inverse_dynamics_series, mass_matrix};
 use crate::series::JointSeries;
 
 /// Longest step of the integration, s.
 const STEP_S: f64 = 2.5e-4;
-/// Largest wind-up of the central difference, rad.
-const DIFFERENCE_RAD: f64 = 1e-6;
+/// Of a link, kg.m2: divides.
+const LIGHTEST: f64 = 1e-9;
 
 /// w, w', w'' at the samples: means over the interval around each, as filters see them.
 pub(super) struct WindUp([Vec<f64>; 3]);
@@ -24,8 +23,9 @@ pub(super) struct WindUp([Vec<f64>; 3]);
 /// Wind-up of `joint` along the motion, from rest under its load. Links too light for the step
 /// are taken heavier: they follow their load within it all the same.
 pub(super) fn wind_up(motion: &Motion<'_>, joint: usize, transmission: &Transmission) -> WindUp {
-    let load = motion.rigid_torque();
-    let (load, inertia) = (load.joint(joint), inertia(motion, joint));
+    let (load, slopes) = (motion.rigid_torque(), motion.slopes(joint));
+    // M_jj is how the joint's torque grows with its acceleration.
+    let (load, inertia) = (load.joint(joint), slopes.0[2].joint(joint));
     let parts = (motion.dt / STEP_S).ceil().max(1.0);
     let h = motion.dt / parts;
     let mut w = transmission.wind_up(load.first().copied().unwrap_or(0.0));
@@ -40,7 +40,7 @@ pub(super) fn wind_up(motion: &Motion<'_>, joint: usize, transmission: &Transmis
             let damping = transmission.damping_at(w);
             let torque = transmission.torque(w) + transmission.hysteresis * z + damping * rate;
             let lightest = h * (4.0 * h * stiffest).max(2.0 * damping);
-            let acceleration = (at(load) - torque) / at(&inertia).max(lightest);
+            let acceleration = (at(load) - torque) / at(inertia).max(lightest.max(LIGHTEST));
             rate += h * acceleration;
             w += h * rate;
             z = transmission.bent(z, h * rate);
@@ -57,40 +57,22 @@ fn between(x: &[f64], k: usize, along: f64) -> f64 {
     x[k] + along.abs() * (x[next] - x[k])
 }
 
-/// M_jj along the motion, kg.m2.
-fn inertia(motion: &Motion<'_>, joint: usize) -> Vec<f64> {
-    let mut workspace = Workspace::new(motion.robot);
-    let mut q = vec![0.0; motion.q.joints()];
-    let mut at = |k: usize| {
-        motion.q.sample_into(k, &mut q);
-        mass_matrix(motion.robot, &mut workspace, &q)[(joint, joint)].max(1e-9)
-    };
-    (0..motion.samples()).map(&mut at).collect()
-}
-
-/// N.m at every joint when the links of `joint` lag by `shape`, per unit of `reference`:
-/// [ID(q - shape) - ID(q)] / reference, linear in the shape.
+/// N.m at every joint when the links of `joint` lag by `shape`, per unit of `reference`: linear in
+/// the shape.
 pub(super) fn lagging(
     motion: &Motion<'_>,
     joint: usize,
     shape: &WindUp,
     reference: f64,
 ) -> JointSeries {
-    let WindUp([w, rate, acceleration]) = shape;
-    let moved = |by: f64| {
-        let shift = |series: &JointSeries, shape: &[f64]| {
-            let mut series = series.clone();
-            series.joint_mut(joint).iter_mut().zip(shape).for_each(|(x, s)| *x -= by * s);
-            series
-        };
-        let (q, qd) = (shift(motion.q, w), shift(motion.qd, rate));
-        inverse_dynamics_series(motion.robot, &q, &qd, &shift(motion.qdd, acceleration))
-    };
-    let size = w.iter().fold(0.0, |m: f64, s| m.max(s.abs())).max(1e-9);
-    let step = DIFFERENCE_RAD / size;
-    let (more, less) = (moved(step), moved(-step));
-    let scale = 1.0 / (2.0 * step * reference);
-    more.map_joints(|j, more| {
-        more.iter().zip(less.joint(j)).map(|(m, l)| scale * (m - l)).collect()
-    })
+    let slopes = motion.slopes(joint);
+    let mut lag = JointSeries::zeros(motion.q.joints(), motion.samples());
+    for (slope, shape) in slopes.0.iter().zip(&shape.0) {
+        for j in 0..lag.joints() {
+            let terms = slope.joint(j).iter().zip(shape);
+            let sum = lag.joint_mut(j).iter_mut().zip(terms);
+            sum.for_each(|(lag, (slope, w))| *lag -= slope * w / reference);
+        }
+    }
+    lag
 }

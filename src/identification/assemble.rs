@@ -43,7 +43,7 @@ pub fn assemble(
         return Err(IdentificationError::Joints { samples: samples.joints(), robot });
     }
     let samples = &twin.correct(samples);
-    let mut arm = assemble_laden(samples, twin, terms, &twin.laden())?;
+    let mut arm = assemble_on(samples, twin, terms, twin)?;
     let open = open_references(twin, terms);
     if !arm.shared.is_empty() && (terms.contains("load_friction") || !open.is_empty()) {
         // Gears carry the load that is being fitted, too, and references follow what is fitted:
@@ -52,7 +52,7 @@ pub fn assemble(
         let fitted = with_shared(twin, terms, &arm.shared, &found);
         let mut settled = twin.clone();
         settled.values.extend(open.iter().filter_map(|(e, p)| settled_on(&fitted, *e, p)));
-        arm = assemble_laden(samples, &settled, terms, &fitted.laden())?;
+        arm = assemble_on(samples, &settled, terms, &fitted)?;
     }
     if arm.joints.iter().all(|j| j.samples() == 0) {
         let threshold = samples.conditioning.standstill_rad_s;
@@ -79,16 +79,17 @@ fn settled_on(fitted: &Twin, effect: &dyn Effect, name: &str) -> Option<(String,
     Some((name.to_string(), (0..joints).map(at).collect::<Option<_>>()?))
 }
 
-/// The problems where the gears carry `laden`.
-fn assemble_laden(
+/// The problems on the arm with the loads that `built` knows.
+fn assemble_on(
     samples: &Samples,
     twin: &Twin,
     terms: &Terms,
-    laden: &Robot,
+    built: &Twin,
 ) -> Result<ArmProblem, IdentificationError> {
     let known = known_torque(samples, twin, terms);
     let motion = Motion { known: Some(&known), ..twin.motion(samples) };
-    let assembly = Assembly { samples, twin, terms, laden, motion };
+    let laden = &built.laden();
+    let assembly = Assembly { samples, twin, terms, built, laden, motion };
     let filter = samples.torque_filter()?;
     let reaching = assembly.reaching()?;
     let mut arm = ArmProblem { joints: vec![], shared: vec![], shared_columns: vec![] };
@@ -168,6 +169,7 @@ struct Assembly<'a> {
     samples: &'a Samples,
     twin: &'a Twin,
     terms: &'a Terms,
+    built: &'a Twin,
     /// The robot as its gears carry it.
     laden: &'a Robot,
     motion: Motion<'a>,
@@ -226,7 +228,13 @@ impl Assembly<'_> {
             if effect.seen() != Seen::Columns {
                 return Err(IdentificationError::Unseen { effect: about.name.into() });
             }
-            let robot = if scope == Scope::Joint { self.laden } else { self.motion.robot };
+            let under;
+            let robot = if scope == Scope::Joint {
+                self.laden
+            } else {
+                under = self.under(effect);
+                &under
+            };
             let motion = Motion { robot, ..self.motion };
             let linear = about.parameters.iter().filter(|p| p.role == Role::Linear);
             all.extend(linear.map(searched).zip(effect.columns(&motion, joint, &nonlinear)));
@@ -234,17 +242,28 @@ impl Assembly<'_> {
         Ok(all)
     }
 
+    /// The robot with the loads that are known, and those of the terms before this one: a base
+    /// tilts with the payload on it.
+    fn under(&self, effect: &dyn Effect) -> Robot {
+        let before = |e: &dyn Effect| {
+            !self.terms.contains(e.about().name) || effects::order(e) < effects::order(effect)
+        };
+        self.built.mechanism(before).robot
+    }
+
     /// Parameters of single joints that all joints feel, and their torque everywhere.
     fn reaching(&self) -> Result<Vec<(Parameter, JointSeries)>, IdentificationError> {
         let mut all = Vec::new();
         for effect in self.terms.with_scope(Scope::Link) {
             let about = effect.about();
+            let robot = &self.under(effect);
+            let motion = Motion { robot, ..self.motion };
             for from in 0..self.twin.robot.dof() {
                 let nonlinear = self.nonlinear(about, from)?;
                 let linear = about.parameters.iter().filter(|p| p.role == Role::Linear);
                 let parameters =
                     linear.map(|p| Parameter { name: at_joint(p.name, from), ..searched(p) });
-                all.extend(parameters.zip(effect.reach(&self.motion, from, &nonlinear)));
+                all.extend(parameters.zip(effect.reach(&motion, from, &nonlinear)));
             }
         }
         Ok(all)

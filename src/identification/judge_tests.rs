@@ -37,7 +37,7 @@ fn a_curve_that_is_not_there_is_not_given_a_velocity() {
         None => panic!("the problem has a curve"),
     };
     let _ = s;
-    super::super::kernels::axpy(TRUTH[0] - TRUTH[1], &g, &mut problem.y);
+    crate::kernels::axpy(TRUTH[0] - TRUTH[1], &g, &mut problem.y);
     let all = fitted(&problem);
     for name in ["static", "stribeck_velocity"] {
         let row = named(&all, name);

@@ -9,8 +9,8 @@
 use nalgebra::{DMatrix, DVector, SVD};
 
 use super::bounds::Bounds;
-use super::kernels::dot;
 use super::qr::Qr;
+use crate::kernels::dot;
 
 /// What is minimised.
 pub trait Residuals {

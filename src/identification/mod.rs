@@ -11,7 +11,6 @@ mod coordinates;
 mod error;
 mod fitted;
 mod judge;
-pub mod kernels;
 pub mod levenberg_marquardt;
 mod posterior;
 pub mod problem;

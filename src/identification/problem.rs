@@ -14,8 +14,8 @@ use std::sync::Arc;
 
 use super::Goodness;
 use super::bounds::{Bounds, BoundsError};
-use super::kernels::{axpy, dot, stribeck};
 use super::levenberg_marquardt::Residuals;
+use crate::kernels::{axpy, dot, stribeck};
 use crate::statistics;
 
 /// A parameter that is searched for.

@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::kernels::{axpy, dot};
+use crate::kernels::{axpy, dot};
 
 /// A = Q R. Where column k depends on those before it, `q[k]` is zero and so is `r[(k, k)]`.
 #[derive(Debug, Clone)]

@@ -17,10 +17,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::bounds::Bounds;
 use super::chebyshev;
-use super::kernels::{axpy, dot, dots, dots_of_rest};
 use super::problem::{Curve, JointProblem};
 use super::qr::{Qr, back_substitute, project_out};
 use super::tables::Tables;
+use crate::kernels::{axpy, dot, dots, dots_of_rest};
 
 /// Accuracy of the interpolants relative to the largest value.
 const ACCURACY: f64 = 1e-16;

@@ -1,8 +1,8 @@
 //! Elimination on a joint whose friction is known.
 
 use super::*;
-use crate::identification::kernels::axpy;
 use crate::identification::testing::{self, TRUTH};
+use crate::kernels::axpy;
 
 fn terms(problem: &JointProblem) -> Vec<String> {
     let dropped = eliminate(problem.clone(), &separable::Settings::default()).unwrap();

@@ -13,10 +13,10 @@ use super::assemble::ArmProblem;
 use super::bounds::Bounds;
 use super::error::IdentificationError;
 use super::judge::{self, WithExcess};
-use super::kernels::axpy;
 use super::problem::{JointProblem, Parameter};
 use super::qr::{Qr, project_out};
 use super::{Found, ParameterEstimate, bounded, separable};
+use crate::kernels::axpy;
 
 /// Rounds of fitting joints and shared parameters in turn.
 const MOST_ROUNDS: usize = 30;

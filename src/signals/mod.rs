@@ -8,6 +8,7 @@
 
 mod channels;
 mod condition;
+mod decimator;
 mod derivative;
 mod error;
 mod low_pass;
@@ -16,6 +17,7 @@ mod resample;
 mod savitzky_golay;
 
 pub use condition::condition;
+pub use decimator::Decimator;
 pub use derivative::{central_difference, mean_difference, second_difference};
 pub use error::SignalError;
 pub use low_pass::LowPass;

@@ -11,6 +11,10 @@ impl Twin {
         Motion {
             start: samples.start,
             temperature: samples.temperature.as_ref(),
+            band_hz: match samples.conditioning.torque_cutoff_hz {
+                cutoff if cutoff > 0.0 => cutoff,
+                _ => f64::INFINITY,
+            },
             ..Motion::new(&self.robot, *dt, q, qd, qdd)
         }
     }

@@ -62,14 +62,18 @@ impl Twin {
             }
         }
         let laden = self.laden();
-        // In the order of the catalogue: what scales the drive's torque comes after what makes it.
+        let mut so_far = Mechanism::new(self.robot.clone());
+        // In the order of the catalogue: what scales the drive's torque comes after what makes it,
+        // and a base tilts with the loads on it.
         for effect in CATALOGUE.iter().copied().filter(|e| self.knows_of(*e)) {
             let robot = match effect.about().scope {
-                Scope::Arm | Scope::Link => &self.robot,
-                Scope::Joint => &laden,
+                Scope::Arm | Scope::Link => so_far.robot.clone(),
+                Scope::Joint => laden.clone(),
             };
             let known = tau.clone();
-            self.add(effect, &Motion { robot, known: Some(&known), ..*motion }, &mut tau);
+            let motion = Motion { robot: &robot, known: Some(&known), rigid: None, ..*motion };
+            self.add(effect, &motion, &mut tau);
+            self.build(effect, &mut so_far);
         }
         tau
     }
@@ -101,20 +105,32 @@ impl Twin {
 
     /// The robot with the links and loads that are known built in: what its gears carry.
     pub fn laden(&self) -> Robot {
+        self.mechanism(|_| true).robot
+    }
+
+    /// The arm with all that is known and asked for by `which` built in, in the order of the
+    /// catalogue.
+    pub fn mechanism(&self, which: impl Fn(&dyn Effect) -> bool) -> Mechanism {
         let mut mechanism = Mechanism::new(self.robot.clone());
-        for effect in self.known() {
-            let joints = match effect.about().scope {
-                Scope::Joint => continue,
-                Scope::Link => self.robot.dof(),
-                Scope::Arm => 1,
-            };
-            for joint in 0..joints {
-                if let Some(values) = self.values_at(effect, joint) {
-                    effect.build(&values, joint, &mut mechanism);
-                }
+        let known = CATALOGUE.iter().copied().filter(|e| self.knows_of(*e));
+        for effect in known.filter(|e| which(*e)) {
+            self.build(effect, &mut mechanism);
+        }
+        mechanism
+    }
+
+    /// Links and loads of an effect whose values are known.
+    fn build(&self, effect: &dyn Effect, mechanism: &mut Mechanism) {
+        let joints = match effect.about().scope {
+            Scope::Joint => return,
+            Scope::Link => self.robot.dof(),
+            Scope::Arm => 1,
+        };
+        for joint in 0..joints {
+            if let Some(values) = self.values_at(effect, joint) {
+                effect.build(&values, joint, mechanism);
             }
         }
-        mechanism.robot
     }
 
     fn knows_of(&self, effect: &dyn Effect) -> bool {

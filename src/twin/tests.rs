@@ -155,6 +155,41 @@ fn load_friction_feels_a_known_payload() {
     assert!((friction - 0.1 * load.abs()).abs() < 1e-9, "{friction} of {load}");
 }
 
+/// Payload and links on a tilted base: each is worked out with what is built in before it, so that
+/// together they are the inverse dynamics of the arm that has them all.
+#[test]
+fn loads_tilt_with_the_base() {
+    let series = |s: f64| {
+        let joint = |j: usize| (0..9).map(|k| (s * (k * 7 + j * 3 + 1) as f64).sin()).collect();
+        JointSeries::from_joints(&(0..6).map(joint).collect::<Vec<Vec<f64>>>())
+    };
+    let (q, qd, qdd) = (series(1.3), series(2.1), series(0.7));
+    let effects = ["base_tilt", "link_inertia", "payload"].map(String::from).to_vec();
+    let mut twin = Twin { effects, ..Twin::default() };
+    twin.drive.rotor_inertia = vec![0.0; 6];
+    for (name, values) in [
+        ("payload_mass", vec![2.5]),
+        ("payload_moment_x", vec![0.1]),
+        ("payload_moment_y", vec![-0.1]),
+        ("payload_moment_z", vec![0.2]),
+        ("tilt_x", vec![0.2]),
+        ("tilt_y", vec![-0.1]),
+        ("link_mass", vec![0.0, 0.4, 0.0, 0.0, 0.0, 0.1]),
+        ("link_moment_x", vec![0.05; 6]),
+        ("link_moment_y", vec![0.0; 6]),
+        ("link_moment_z", vec![0.0; 6]),
+    ] {
+        twin.values.insert(name.into(), values);
+    }
+    let torque = twin.torque(&Motion::new(&twin.robot, 0.01, &q, &qd, &qdd));
+    let expected = inverse_dynamics_series(&twin.laden(), &q, &qd, &qdd);
+    for j in 0..6 {
+        for (a, b) in torque.joint(j).iter().zip(expected.joint(j)) {
+            assert!((a - b).abs() < 1e-9, "joint {}: {a} and {b}", j + 1);
+        }
+    }
+}
+
 /// A file under the folder of shared recordings, which need not be there.
 fn shared(path: &str) -> Option<PathBuf> {
     let root = std::env::var_os("ARMTWIN_SHARED")

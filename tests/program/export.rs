@@ -13,7 +13,7 @@ const TWIN: &str = "robot = \"ur5\"
 [drive]
 rotor_inertia = [1.1, 1.2, 1.0, 0.14, 0.13, 0.12]
 [twin]
-effects = [\"coulomb\", \"viscous\", \"payload\", \"link_inertia\", \"cable_spring\",
+effects = [\"coulomb\", \"viscous\", \"payload\", \"link_inertia\", \"base_tilt\", \"cable_spring\",
     \"torque_constant\", \"current_offset\"]
 [twin.values]
 coulomb = [6, 7, 5, 1.5, 1.4, 1.3]
@@ -26,6 +26,8 @@ link_mass = [0, 0.3, 0, 0, 0, 0]
 link_moment_x = 0
 link_moment_y = 0
 link_moment_z = 0
+tilt_x = 0.08
+tilt_y = -0.05
 cable_stiffness = [0, 0, 3, 0, 1, 0]
 cable_hysteresis = 0
 cable_rest_angle = [0, 0, 0.3, 0, -0.2, 0]

@@ -68,6 +68,12 @@ pub struct Args {
     /// Searches repeated on surrogates [default: as diagnosis.json says under settings]
     #[arg(long, value_name = "N")]
     surrogates: Option<usize>,
+    /// How well the twin's link masses are known, relative; 0: exactly [default: 0.05]
+    #[arg(long, value_name = "SHARE")]
+    mass_error: Option<f64>,
+    /// How well their centres are known, m [default: 0.005]
+    #[arg(long, value_name = "M")]
+    centre_error: Option<f64>,
     /// Do not move the twin again in the simulation
     #[arg(long)]
     no_simulation: bool,
@@ -163,12 +169,19 @@ impl Args {
         if let Some(unknown) = self.without.iter().find(|name| effects::find(name).is_none()) {
             bail!("--without {unknown}: no such effect; choose from {}", effects::names());
         }
+        let given = [("--mass-error", self.mass_error), ("--centre-error", self.centre_error)];
+        for (flag, value) in given {
+            if let Some(v) = value.filter(|v| !(0.0..=1.0).contains(v)) {
+                bail!("{flag} {v}: give a number from 0 (known exactly) to 1");
+            }
+        }
         let usual = Settings::default();
         Ok(Settings {
             without: self.without.clone(),
             seed: self.seed,
             surrogates: self.surrogates.unwrap_or(usual.surrogates),
-            ..usual
+            mass_error: self.mass_error.unwrap_or(usual.mass_error),
+            centre_error_m: self.centre_error.unwrap_or(usual.centre_error_m),
         })
     }
 

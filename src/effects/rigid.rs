@@ -1,0 +1,61 @@
+//! What the rigid arm's torque is along a motion, and how it changes with the motion of one joint.
+
+use std::sync::OnceLock;
+
+use crate::robot::{Robot, inverse_dynamics_series};
+use crate::series::JointSeries;
+
+/// Steps of the central differences. Torque is at most quadratic in speed and linear in acceleration,
+/// so that only the angle's has to be small.
+const STEP_RAD: f64 = 1e-5;
+const STEP_RAD_S: f64 = 1.0;
+const STEP_RAD_S2: f64 = 1.0;
+
+/// Of one robot along one motion, each worked out when first asked for. Whoever tries many values
+/// of an elastic joint's parameters keeps one beside the motion ([`super::Motion::rigid`]).
+#[derive(Debug)]
+pub struct Rigid {
+    torque: OnceLock<JointSeries>,
+    slopes: Vec<OnceLock<Slopes>>,
+}
+
+/// d tau / d (q, qd, qdd) of one joint: N.m at every joint per rad, rad/s and rad/s2.
+#[derive(Debug, Clone)]
+pub struct Slopes(pub [JointSeries; 3]);
+
+impl Rigid {
+    pub fn new(joints: usize) -> Self {
+        Self { torque: OnceLock::new(), slopes: (0..joints).map(|_| OnceLock::new()).collect() }
+    }
+
+    pub(super) fn torque(&self, robot: &Robot, motion: [&JointSeries; 3]) -> &JointSeries {
+        self.torque.get_or_init(|| torque(robot, motion))
+    }
+
+    pub(super) fn slopes(&self, robot: &Robot, motion: [&JointSeries; 3], joint: usize) -> &Slopes {
+        self.slopes[joint].get_or_init(|| Slopes::new(robot, motion, joint))
+    }
+}
+
+/// N.m
+pub(super) fn torque(robot: &Robot, [q, qd, qdd]: [&JointSeries; 3]) -> JointSeries {
+    inverse_dynamics_series(robot, q, qd, qdd)
+}
+
+impl Slopes {
+    pub(super) fn new(robot: &Robot, motion: [&JointSeries; 3], joint: usize) -> Self {
+        let slope = |which: usize, step: f64| {
+            let moved = |by: f64| {
+                let mut series = motion[which].clone();
+                series.joint_mut(joint).iter_mut().for_each(|x| *x += by);
+                let mut at = motion;
+                at[which] = &series;
+                torque(robot, at)
+            };
+            let (more, less) = (moved(step), moved(-step));
+            let each = |(m, l): (&f64, &f64)| (m - l) / (2.0 * step);
+            more.map_joints(|j, more| more.iter().zip(less.joint(j)).map(each).collect())
+        };
+        Self([slope(0, STEP_RAD), slope(1, STEP_RAD_S), slope(2, STEP_RAD_S2)])
+    }
+}
