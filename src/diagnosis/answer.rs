@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::Episode;
+
 /// In one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -26,7 +28,7 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Where the twin differs, before anything is added to it.
     pub gap: Gap,
-    /// Accepted, strongest first.
+    /// Accepted, what takes most off the gap first.
     pub causes: Vec<Cause>,
     pub shrink: Shrink,
     /// Every candidate, "none" and "unknown" among them; the probabilities sum to 1.
@@ -37,6 +39,9 @@ pub struct Diagnosis {
     /// What is left when all causes are taken off.
     pub leftover: Leftover,
     pub next_experiment: String,
+    /// Stretches whose gap stands out against anything the other recording shows.
+    #[serde(default)]
+    pub episodes: Vec<Episode>,
     /// Values of what the twin lists without values, fitted with the causes: one per joint (one in
     /// all for the whole arm), by parameter name.
     pub fitted: BTreeMap<String, Vec<f64>>,
@@ -98,7 +103,7 @@ pub struct Cause {
     /// What would look the same in these data.
     pub equivalent: Vec<Named>,
     pub parameters: Vec<Value>,
-    /// On the check recording, when this cause is added after those before it.
+    /// On the check recording, when this cause is added to all the others.
     pub shrink: Checked,
     /// One line each, from the catalogue.
     pub cause: String,

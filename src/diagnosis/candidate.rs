@@ -26,6 +26,23 @@ impl Place {
     }
 }
 
+/// Where a candidate changes torque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Extent {
+    One(usize),
+    Several,
+}
+
+impl Extent {
+    pub fn meets(self, other: Self) -> bool {
+        self == other || self == Self::Several || other == Self::Several
+    }
+
+    pub fn covers(self, joint: usize) -> bool {
+        self.meets(Self::One(joint))
+    }
+}
+
 #[derive(Clone, Copy)]
 pub struct Candidate {
     pub effect: &'static dyn Effect,
@@ -99,6 +116,13 @@ fn places(effect: &dyn Effect, twin: &Twin) -> impl Iterator<Item = Place> + use
 }
 
 impl Candidate {
+    pub fn extent(&self) -> Extent {
+        match self.place {
+            Place::Joint(j) if self.effect.about().scope == Scope::Joint => Extent::One(j),
+            _ => Extent::Several,
+        }
+    }
+
     /// Loads of earlier ones are in place where later ones are worked out: a base tilts with the
     /// payload on it.
     pub fn order(&self) -> (usize, Place) {

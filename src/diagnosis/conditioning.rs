@@ -3,6 +3,10 @@
 use crate::recording::Recording;
 use crate::signals::{Conditioning, Derivatives};
 
+/// Instants from which on a recording is low-passed and thinned in any case: its torque at full rate
+/// says little more about slow causes, and costs its length at every candidate.
+const LONG: usize = 9000;
+
 /// Where a command of all `dof` joints is recorded with its derivatives, motion is that command
 /// plus the smoothed tracking error: hardly any differentiation noise, so the torque need not be
 /// filtered and reversals stay sharp. Else the defaults of a regression on measured positions.
@@ -13,7 +17,10 @@ pub fn conditioning(recording: &Recording, dof: usize) -> Conditioning {
         true => Conditioning {
             derivatives: Derivatives::TrackingError,
             motion_cutoff_hz: 10.0,
-            torque_cutoff_hz: 0.0,
+            torque_cutoff_hz: match recording.time.len() {
+                n if n > LONG => Conditioning::default().torque_cutoff_hz,
+                _ => 0.0,
+            },
             standstill_rad_s: 0.03,
             guard_s: 0.04,
             ..Conditioning::default()

@@ -87,6 +87,11 @@ impl Remains {
         each.filter(|level| *level > 0.0).fold(f64::INFINITY, f64::min).max(1.0)
     }
 
+    /// What stays at the worst joint, in units of how far the best is from its noise.
+    pub fn farthest(&self) -> f64 {
+        self.after.iter().copied().fold(1.0, f64::max) / self.inexactness()
+    }
+
     pub fn is_exact(&self) -> bool {
         self.inexactness() < EXACT
     }

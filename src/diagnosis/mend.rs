@@ -3,17 +3,19 @@
 use std::collections::BTreeMap;
 
 use super::{Cause, Value};
-use crate::effects::{self, Parameter, Scope};
+use crate::effects::{self, CATALOGUE, Effect, Parameter, Role, Scope};
 use crate::twin::Twin;
 
 /// `twin` with the `fitted` values of what it left open and with the `causes` in it.
 ///
 /// A cause at one joint gets values at every joint: elsewhere those at which it vanishes. Rotor
-/// inertia goes to the drive: a fitted one replaces the drive's, a cause adds to it.
+/// inertia goes to the drive: a fitted one replaces the drive's. What enters linearly is added to
+/// what is there (a drive's rotor, a link's fitted mass).
 pub fn mend(twin: &Twin, fitted: &BTreeMap<String, Vec<f64>>, causes: &[Cause]) -> Twin {
     let mut mended = twin.clone();
     for (name, values) in fitted.iter().filter(|(_, v)| v.iter().all(|v| v.is_finite())) {
         mended.values.insert(name.clone(), values.clone());
+        list(&mut mended, name);
     }
     for cause in causes {
         add(&mut mended, cause);
@@ -24,6 +26,15 @@ pub fn mend(twin: &Twin, fitted: &BTreeMap<String, Vec<f64>>, causes: &[Cause]) 
     mended.effects.retain(|e| e != "rotor_inertia");
     keep_physical(&mut mended);
     mended
+}
+
+/// The effect that a fitted parameter belongs to is one of the twin's.
+fn list(twin: &mut Twin, parameter: &str) {
+    let has = |e: &&&dyn Effect| e.about().parameters.iter().any(|p| p.name == parameter);
+    let Some(effect) = CATALOGUE.iter().find(has) else { return };
+    if !twin.effects.iter().any(|e| e == effect.about().name) {
+        twin.effects.push(effect.about().name.into());
+    }
 }
 
 fn add(twin: &mut Twin, cause: &Cause) {
@@ -37,7 +48,8 @@ fn add(twin: &mut Twin, cause: &Cause) {
         _ => cause.joints.iter().map(|j| j - 1).filter(|j| *j < dof).collect(),
     };
     let is_rotor = about.name == "rotor_inertia";
-    for p in about.parameters {
+    // References follow from the other values where they are not given.
+    for p in about.parameters.iter().filter(|p| !p.is_reference()) {
         let values = twin.values.entry(p.name.into()).or_insert_with(|| match is_rotor {
             true => twin.drive.rotor_inertia.clone(),
             false => vec![absent(p); count],
@@ -46,7 +58,7 @@ fn add(twin: &mut Twin, cause: &Cause) {
         let Some(found) = cause.parameters.iter().find(of_cause) else { continue };
         let places = values.iter_mut().enumerate().filter(|(j, _)| at.contains(j));
         for (_, value) in places {
-            *value = if is_rotor { *value + found.value } else { found.value };
+            *value = if p.role == Role::Linear { *value + found.value } else { found.value };
         }
     }
     if !twin.effects.iter().any(|e| e == about.name) {

@@ -1,11 +1,13 @@
 //! The sim-to-real gap: where it lies, which effect causes it, how far it shrinks.
 
+mod account;
 mod answer;
 mod bootstrap;
 mod candidate;
 mod chance;
 mod columns;
 mod conditioning;
+mod episodes;
 mod evidence;
 mod experiment;
 mod floor;
@@ -41,6 +43,7 @@ pub use answer::{
     Verdict,
 };
 pub use conditioning::conditioning;
+pub use episodes::Episode;
 pub use floor::{Floor, FloorFrom, noise_floor};
 pub use gap::gap;
 pub use mend::mend;
@@ -117,7 +120,7 @@ pub fn diagnose_traced(
     let (fit, check) = (evidence(&fit, &floors[0])?, evidence(&check, &floors[1])?);
     let candidates = candidate::candidates(twin, &settings.without);
     let search = select::Search { fit: &fit, check: &check, settings, candidates };
-    let findings = verdict::findings(&search, &floors[1]);
+    let findings = verdict::Findings::new(&search, &floors[1]);
     let answer = findings.answer();
     let traces = Traces::new(&findings, &answer);
     Ok((answer, traces))

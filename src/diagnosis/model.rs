@@ -96,10 +96,11 @@ impl Model {
         start..start + self.causes[i].candidate.linear()
     }
 
-    /// Takes over the values `x` of the causes, and what they weigh.
+    /// Takes over the values `x` of all terms, and what the causes weigh.
     fn carry(&mut self, twin: &Twin, x: &DVector<f64>) {
-        for i in 0..self.causes.len() {
-            self.causes[i].linear = x.as_slice()[self.range(i)].to_vec();
+        let mut values = x.iter().copied();
+        for term in self.open.iter_mut().chain(&mut self.causes) {
+            term.linear = values.by_ref().take(term.candidate.linear()).collect();
         }
         self.laden = self.built(twin, |_| true);
     }
@@ -117,10 +118,11 @@ impl Model {
         mechanism.robot
     }
 
-    /// Does one cause depend on what others weigh?
+    /// Does one cause depend on what others weigh, or on all that the drive supplies?
     fn is_entangled(&self) -> bool {
         let loads = |t: &&Term| t.candidate.effect.about().scope != Scope::Joint;
-        self.causes.iter().filter(loads).count() > 1
+        let follows = |t: &Term| t.candidate.effect.follows_drive();
+        self.causes.iter().filter(loads).count() > 1 || self.causes.iter().any(follows)
     }
 }
 
@@ -136,10 +138,7 @@ pub struct Built {
 impl Built {
     pub fn new(evidence: &Evidence<'_>, model: &Model) -> Self {
         let mut built = Self { y: evidence.torque.clone(), columns: vec![], series: vec![] };
-        for term in model.terms() {
-            let series = signature(evidence, model, term);
-            built.series.extend(series);
-        }
+        built.series = series(evidence, model);
         for column in &built.series {
             built.columns.push(shown(evidence, &model.causes, column.clone()));
         }
@@ -155,16 +154,42 @@ impl Built {
     fn modelled(&self, evidence: &Evidence<'_>, x: &DVector<f64>) -> JointSeries {
         let mut sum = evidence.known.clone();
         for (column, x) in self.series.iter().zip(x.iter()) {
-            for (joint, series) in column.iter().enumerate() {
-                sum.joint_mut(joint).iter_mut().zip(series).for_each(|(s, c)| *s += x * c);
-            }
+            add(&mut sum, *x, column);
         }
         sum
     }
 }
 
-/// The columns of a term over all samples, before sensors.
-fn signature(evidence: &Evidence<'_>, model: &Model, term: &Term) -> Vec<Vec<Vec<f64>>> {
+/// The columns of all terms over all samples, before sensors. Worked out in the order of the
+/// catalogue, each with the torque of those before it, as last fitted.
+fn series(evidence: &Evidence<'_>, model: &Model) -> Vec<Vec<Vec<f64>>> {
+    let terms: Vec<&Term> = model.terms().collect();
+    let mut order: Vec<usize> = (0..terms.len()).collect();
+    order.sort_by_key(|&i| terms[i].candidate.order());
+    let mut known = evidence.known.clone();
+    let mut columns = vec![Vec::new(); terms.len()];
+    for i in order {
+        columns[i] = signature(evidence, model, terms[i], &known);
+        for (column, value) in columns[i].iter().zip(&terms[i].linear) {
+            add(&mut known, *value, column);
+        }
+    }
+    columns.concat()
+}
+
+fn add(sum: &mut JointSeries, factor: f64, column: &[Vec<f64>]) {
+    for (joint, series) in column.iter().enumerate() {
+        sum.joint_mut(joint).iter_mut().zip(series).for_each(|(s, c)| *s += factor * c);
+    }
+}
+
+/// The columns of a term where the drive supplies `known` without it.
+fn signature(
+    evidence: &Evidence<'_>,
+    model: &Model,
+    term: &Term,
+    known: &JointSeries,
+) -> Vec<Vec<Vec<f64>>> {
     let under;
     let robot = match term.candidate.effect.about().scope {
         Scope::Joint => &model.laden,
@@ -174,7 +199,7 @@ fn signature(evidence: &Evidence<'_>, model: &Model, term: &Term) -> Vec<Vec<Vec
             &under
         }
     };
-    let (known, rigid) = (Some(&evidence.known), evidence.rigid(robot));
+    let (known, rigid) = (Some(known), evidence.rigid(robot));
     let motion = Motion { known, rigid, ..evidence.motion(robot) };
     term.series(&motion)
 }

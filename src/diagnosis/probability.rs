@@ -11,12 +11,16 @@ const LEAST_SHARE: f64 = 0.5;
 /// by this share of what there was before (no signature is exact).
 const HALFWAY: f64 = 2.0;
 const INEXACT: f64 = 0.05;
+/// Times the best joint's leftover, where the twin is inexact throughout: a joint that keeps as much
+/// lacks something of its own.
+const FAR: f64 = 20.0;
 
 /// That something outside the catalogue is at work at `joints`, where the causes leave `remains`.
 ///
 /// Where some joint is at its noise the twin is exact, and anything systematic that stays at a
 /// joint a cause acts on speaks against it. Where no joint is, the twin is inexact throughout and
-/// only the share explained counts.
+/// the share explained counts, and that no joint stays far from what the best one shows to be
+/// possible.
 pub fn of_unknown(remains: &Remains, joints: &[usize]) -> f64 {
     let by_share = logistic(STEEP_SHARE * (LEAST_SHARE - remains.explained(joints)));
     match remains.is_exact() {
@@ -28,7 +32,7 @@ pub fn of_unknown(remains: &Remains, joints: &[usize]) -> f64 {
             let worst = joints.iter().map(left).fold(f64::NEG_INFINITY, f64::max);
             by_share.max(logistic(STEEP_LEFT * worst))
         }
-        false => by_share,
+        false => by_share.max(logistic(STEEP_LEFT * (remains.farthest() / FAR).ln())),
     }
 }
 

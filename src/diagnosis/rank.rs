@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::candidate::{Candidate, Place};
+use super::candidate::{Candidate, Extent, Place};
 use super::columns::Blocks;
 use super::evidence::Evidence;
 use super::leftover::in_motion_band;
@@ -23,6 +23,10 @@ const WORTH_REFINING: f64 = 0.2;
 const QUIET_BAND: f64 = 1.2;
 /// Of the best score: how much an inexact signature may cost.
 const INEXACT: f64 = 0.01;
+/// Standard deviations below zero that are no accident.
+const SURELY: f64 = 3.0;
+/// Of its size before: how far below zero friction is not friction any more.
+const UNPHYSICAL: f64 = 0.25;
 /// Log-likelihood below which nothing is claimed, nats.
 pub const LEAST_NATS: f64 = 6.0;
 
@@ -54,22 +58,33 @@ impl<'a, 'e> Search<'a, 'e> {
         State { fit, residual }
     }
 
-    /// The trials (best first) refined and held against the second recording, best first.
-    pub fn rank(&self, state: &State<'a, 'e>, trials: &[Trial]) -> Vec<Hypothesis<'a, 'e>> {
+    /// The trials (best first) refined and held against the second recording, best first by what
+    /// they gain in `extent`.
+    pub fn rank(
+        &self,
+        state: &State<'a, 'e>,
+        trials: &[Trial],
+        extent: Extent,
+    ) -> Vec<Hypothesis<'a, 'e>> {
         let best = trials.first().map_or(0.0, |t| t.gain);
         let refine = |trial: &Trial| match trial.gain >= WORTH_REFINING * best {
             true => search::refine(&state.fit, trial),
             false => trial.clone(),
         };
         let refined: Vec<Trial> = trials.par_iter().map(refine).collect();
-        self.hold(state, &refined)
+        self.hold(state, &refined, extent)
     }
 
     /// The trials as they are held against the second recording, best first.
-    pub fn hold(&self, state: &State<'a, 'e>, trials: &[Trial]) -> Vec<Hypothesis<'a, 'e>> {
+    pub fn hold(
+        &self,
+        state: &State<'a, 'e>,
+        trials: &[Trial],
+        extent: Extent,
+    ) -> Vec<Hypothesis<'a, 'e>> {
         let mut ranked: Vec<Hypothesis> =
             trials.par_iter().map(|trial| self.hypothesis(state, trial)).collect();
-        self.score(state, &mut ranked);
+        self.score(state, &mut ranked, extent);
         ranked
     }
 
@@ -90,12 +105,14 @@ impl<'a, 'e> Search<'a, 'e> {
     }
 
     /// Gains and order; effective samples from what the best leaves.
-    fn score(&self, state: &State, ranked: &mut [Hypothesis<'a, 'e>]) {
-        let ones = vec![1.0; self.fit.joints()];
-        self.score_with(state, ranked, &ones);
+    fn score(&self, state: &State, ranked: &mut [Hypothesis<'a, 'e>], extent: Extent) {
+        let within = |j: usize| f64::from(u8::from(extent.covers(j)));
+        let joints: Vec<f64> = (0..self.fit.joints()).map(within).collect();
+        self.score_with(state, ranked, &joints);
         if let Some(best) = ranked.first() {
             let effective = effective_shares(&best.fit.system.residual);
-            self.score_with(state, ranked, &effective);
+            let counted: Vec<f64> = effective.iter().zip(&joints).map(|(e, w)| e * w).collect();
+            self.score_with(state, ranked, &counted);
         }
     }
 
@@ -200,4 +217,23 @@ fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
         at.then_some(p.name)
     };
     candidate.effect.about().parameters.iter().zip(&values).enumerate().find_map(reached)
+}
+
+/// A parameter of the twin's own that a cause drives well below zero where it may not be: friction
+/// that pushes. Where it was so before, the cause is not to blame.
+pub fn beyond(before: &Fit, after: &Fit, extent: Extent) -> Option<&'static str> {
+    let mut index = 0;
+    for term in &after.model.open {
+        let parameters = term.candidate.effect.about().parameters.iter();
+        for p in parameters.filter(|p| p.role == Role::Linear) {
+            let [was, is] = [before, after].map(|fit| fit.system.x[index]);
+            let sure = is < -SURELY * after.system.variance(index).sqrt();
+            let here = term.prior.is_empty() && term.candidate.extent().meets(extent);
+            if here && p.min >= 0.0 && was > 0.0 && sure && is < -UNPHYSICAL * was {
+                return Some(p.name);
+            }
+            index += 1;
+        }
+    }
+    None
 }

@@ -1,23 +1,22 @@
 //! Which causes are added to the twin, one after the other.
 //!
-//! One is added if no surrogate gap is explained as well, the second recording agrees, and no
-//! parameter is at a bound; then all that were added are seen together again (`revise`).
+//! One is added if no surrogate gap is explained as well (or the second recording leaves no doubt),
+//! the second recording agrees, and no parameter is at a bound; then all that were added are seen together again (`revise`).
 
 use std::sync::Arc;
 
-use super::candidate::{Candidate, Place};
+use super::candidate::{Candidate, Extent};
 use super::chance::Chance;
 use super::evidence::Evidence;
 use super::leftover::in_motion_band;
 use super::model::Model;
-use super::rank::{Hypothesis, LEAST_NATS, State, acts_on, describe};
+use super::rank::{Hypothesis, LEAST_NATS, State, acts_on, beyond, describe};
 use super::search::{self, Trial};
 use super::surrogates::surrogates;
 use super::{Settings, significance};
-use crate::effects::Scope;
 
-/// Causes that are looked for one after the other.
-const MOST_CAUSES: usize = 5;
+/// Rounds of looking for one more cause.
+const MOST_ROUNDS: usize = 8;
 /// Candidates that are refined and held against the second recording.
 pub const REFINED: usize = 24;
 /// Of the mean square of the joints it acts on: a smaller gain on the check is no finding.
@@ -28,8 +27,12 @@ const LEAST_QUIET_GAIN: f64 = 0.05;
 const UNQUIET_BAND: f64 = 1.5;
 /// Surrogate gaps explained as well as the real one, at most, as a share.
 const LEVEL: f64 = 0.05;
+/// Frozen values that gain as much on the second recording need no surrogates: nothing was searched
+/// there, and short slow motions leave surrogates few frequencies to differ in.
+const SURE_NATS: f64 = 50.0;
 
 /// One round of the search.
+#[derive(Clone)]
 pub struct Round<'a, 'e> {
     /// Best first.
     pub ranked: Arc<Vec<Hypothesis<'a, 'e>>>,
@@ -49,26 +52,7 @@ pub struct Round<'a, 'e> {
     pub declined: Option<String>,
 }
 
-/// Where a candidate changes torque.
-#[derive(Clone, Copy, PartialEq)]
-enum Extent {
-    One(usize),
-    Several,
-}
-
-impl Extent {
-    fn of(candidate: Candidate) -> Self {
-        match candidate.place {
-            Place::Joint(j) if candidate.effect.about().scope == Scope::Joint => Self::One(j),
-            _ => Self::Several,
-        }
-    }
-
-    fn meets(self, other: Self) -> bool {
-        self == other || self == Self::Several || other == Self::Several
-    }
-}
-
+#[derive(Clone)]
 pub struct Search<'a, 'e> {
     pub fit: &'a Evidence<'e>,
     pub check: &'a Evidence<'e>,
@@ -86,10 +70,9 @@ impl Round<'_, '_> {
 
 impl<'a, 'e> Search<'a, 'e> {
     /// Adds causes until one is declined; the rounds and the model with all causes.
-    pub fn run(&self, start: &State<'a, 'e>) -> (Vec<Round<'a, 'e>>, Model) {
+    pub fn run(&self, mut model: Model) -> (Vec<Round<'a, 'e>>, Model) {
         let mut rounds: Vec<Round> = Vec::new();
-        let mut model = start.fit.model.clone();
-        for _ in 0..MOST_CAUSES {
+        for _ in 0..MOST_ROUNDS {
             let state = self.state(model.clone());
             if !rounds.is_empty() && self.is_quiet(&state) {
                 break;
@@ -98,7 +81,9 @@ impl<'a, 'e> Search<'a, 'e> {
             let added = round.model();
             rounds.push(round);
             let Some(added) = added else { break };
-            let revised = self.revise(added);
+            let fresh = added.causes.iter().filter(|t| !model.has(t.candidate));
+            let fresh = fresh.map(|t| t.candidate).collect();
+            let revised = self.revise(added, fresh);
             let same = revised.causes.len() == model.causes.len()
                 && revised.causes.iter().all(|t| model.has(t.candidate));
             model = revised;
@@ -110,7 +95,7 @@ impl<'a, 'e> Search<'a, 'e> {
     }
 
     /// Is there nothing but noise left where the arm moves?
-    fn is_quiet(&self, state: &State<'a, 'e>) -> bool {
+    pub fn is_quiet(&self, state: &State<'a, 'e>) -> bool {
         in_motion_band(self.check, &state.residual).iter().all(|ratio| *ratio < UNQUIET_BAND)
     }
 
@@ -122,7 +107,7 @@ impl<'a, 'e> Search<'a, 'e> {
         let open: Vec<Candidate> = open.copied().collect();
         let (screened, gains): (Vec<Trial>, Vec<Vec<f64>>) =
             search::screen(&state.fit, &open, &around).into_iter().unzip();
-        let ranked = self.rank(state, &screened[..screened.len().min(REFINED)]);
+        let ranked = self.rank(state, &screened[..screened.len().min(REFINED)], Extent::Several);
         let chance = Chance::new(&screened, &gains, around.len());
         let p = |h: &Hypothesis| {
             let same = |t: &Trial| t.candidate == h.trial.candidate;
@@ -151,13 +136,13 @@ impl<'a, 'e> Search<'a, 'e> {
         in_motion_band: &[f64],
         p: &dyn Fn(&Hypothesis) -> f64,
     ) -> Vec<usize> {
-        let Candidate { effect, place } = ranked[best].trial.candidate;
-        if place == Place::Arm || effect.about().scope != Scope::Joint {
+        let found = ranked[best].trial.candidate;
+        if found.extent() == Extent::Several {
             return Vec::new();
         }
         let alike = |h: &Hypothesis| {
             let candidate = h.trial.candidate;
-            candidate.name() == effect.about().name && matches!(candidate.place, Place::Joint(_))
+            candidate.name() == found.name() && candidate.extent() != Extent::Several
         };
         let stands = |h: &Hypothesis| {
             let enough = h.score > LEAST_NATS && h.at_bound.is_none();
@@ -180,7 +165,7 @@ impl<'a, 'e> Search<'a, 'e> {
         let mut declined: Vec<(Extent, f64)> = Vec::new();
         let mut why = None;
         for (i, h) in ranked.iter().enumerate().filter(|(_, h)| h.at_bound.is_none()) {
-            let extent = Extent::of(h.trial.candidate);
+            let extent = h.trial.candidate.extent();
             let worse = |(other, score): &(Extent, f64)| {
                 extent.meets(*other) && h.score < score - tolerance
             };
@@ -204,7 +189,7 @@ impl<'a, 'e> Search<'a, 'e> {
         p: f64,
     ) -> Option<String> {
         let name = describe(h.trial.candidate);
-        if p >= LEVEL {
+        if p >= LEVEL && h.gain_check < SURE_NATS {
             return Some(format!(
                 "{name} explains no more than chance: a search of surrogate gaps finds as much in \
                  {:.0} % of them",
@@ -213,6 +198,9 @@ impl<'a, 'e> Search<'a, 'e> {
         }
         if h.gain_check < LEAST_NATS {
             return Some(format!("{name} does not help on the second recording"));
+        }
+        if let Some(parameter) = beyond(&state.fit, &h.fit, h.trial.candidate.extent()) {
+            return Some(format!("{name} needs a negative {parameter} beside it"));
         }
         let touched = |j: &usize| acts_on(h.trial.candidate, *j);
         let joints: Vec<usize> = (0..self.fit.joints()).filter(touched).collect();

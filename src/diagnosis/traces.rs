@@ -77,9 +77,9 @@ impl Traces {
     /// `answer` is what the findings say.
     pub(super) fn new(findings: &Findings<'_, '_>, answer: &Diagnosis) -> Self {
         let check: &Evidence<'_> = findings.search.check;
-        let accepted = findings.rounds.iter().rev().find_map(|r| r.accepted.map(|i| &r.ranked[i]));
-        let named = accepted.filter(|_| !answer.causes.is_empty());
-        let start = &findings.start.residual;
+        let last = &findings.account.last;
+        let named = Some(last).filter(|_| !answer.causes.is_empty());
+        let start = &findings.account.start.residual;
         let after = named.map_or(start, |h| &h.residual);
         let mended = mend(check.twin, &answer.fitted, &answer.causes);
         let made = Made {

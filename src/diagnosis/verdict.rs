@@ -2,13 +2,15 @@
 
 use std::collections::BTreeMap;
 
+use super::account::Account;
 use super::candidate::Place;
 use super::columns::Blocks;
+use super::episodes::{Episode, episodes};
 use super::evidence::Evidence;
 use super::kinematics::{self, Lagging};
-use super::leftover::{Remains, SYSTEMATIC, in_motion_band, leftover};
-use super::model::{Fit, Model};
-use super::rank::{Hypothesis, LEAST_NATS, State, acts_on, describe};
+use super::leftover::{Remains, SYSTEMATIC, leftover};
+use super::model::Fit;
+use super::rank::{Hypothesis, LEAST_NATS, acts_on, describe};
 use super::revise::Standing;
 use super::select::{Round, Search};
 use super::untestable::untestable;
@@ -34,29 +36,24 @@ const UNEXPLAINED_LAG: f64 = 0.8;
 /// Everything an answer is made from.
 pub struct Findings<'a, 'e> {
     pub search: &'a Search<'a, 'e>,
-    pub start: State<'a, 'e>,
-    /// The search, one cause after the other.
-    pub rounds: Vec<Round<'a, 'e>>,
-    /// The accepted causes, each given the others, strongest first.
-    pub standings: Vec<Standing<'a, 'e>>,
-    /// The twin with all of them.
-    pub last: State<'a, 'e>,
+    pub account: Account<'a, 'e>,
     pub floor: Vec<Floor>,
-    /// Are link masses and centres fitted along?
-    uncertain: bool,
     /// Recorded velocities that lag.
     lagging: Option<Lagging>,
-    /// What the other choice would have named, where that differs.
-    other: Option<Vec<String>>,
 }
 
 impl<'a, 'e> Findings<'a, 'e> {
+    pub fn new(search: &'a Search<'a, 'e>, floor: &[Floor]) -> Self {
+        let lagging = kinematics::lagging(search.fit, search.check, search.settings);
+        Self { search, account: search.account(), floor: floor.to_vec(), lagging }
+    }
+
     fn settings(&self) -> &Settings {
         self.search.settings
     }
 
     fn accepted(&self) -> Vec<&Hypothesis<'a, 'e>> {
-        self.standings.iter().map(Standing::cause).collect()
+        self.account.accepted()
     }
 
     /// The joints that any of the causes acts on.
@@ -76,7 +73,11 @@ impl<'a, 'e> Findings<'a, 'e> {
 
     pub fn answer(&self) -> Diagnosis {
         let accepted = self.accepted();
-        let remains = Remains::new(self.search.check, &self.start.residual, &self.last.residual);
+        let remains = Remains::new(
+            self.search.check,
+            &self.account.start.residual,
+            &self.account.last.residual,
+        );
         let unknown = match accepted.is_empty() {
             true => probability::of_something(&remains),
             false if self.is_crowded() => CROWDED,
@@ -91,25 +92,40 @@ impl<'a, 'e> Findings<'a, 'e> {
         };
         let sensor_alone = lag.is_some() && accepted.is_empty();
         causes.extend(lag);
-        let start = Remains::new(self.search.check, &self.start.residual, &self.start.residual);
+        let start = Remains::new(
+            self.search.check,
+            &self.account.start.residual,
+            &self.account.start.residual,
+        );
         let left = leftover(if named { &remains } else { &start });
         Diagnosis {
             schema: SCHEMA.into(),
             armtwin: env!("CARGO_PKG_VERSION").into(),
             verdict: self.verdict(named, sensor_alone, &remains),
-            fitted_before: self.fitted(&self.start.fit),
-            fitted: self.fitted(if named { &self.last.fit } else { &self.start.fit }),
+            fitted_before: self.fitted(&self.account.start.fit),
+            fitted: self.fitted(if named {
+                &self.account.last.fit
+            } else {
+                &self.account.start.fit
+            }),
             gap: self.gap(),
             shrink: Shrink { torque: self.shrink(named), simulation: None },
             ranking: ranked_with(&causes[..usize::from(sensor_alone)], self.ranking(unknown)),
-            untestable: untestable(&self.last.fit, &self.search.candidates),
+            untestable: untestable(&self.account.last.fit, &self.search.candidates),
             rejected: self.rejected(),
             leftover: left,
             next_experiment: self.next_experiment(),
+            episodes: self.episodes(named),
             rounds: self.evidence(),
             notes: self.notes(&remains, unknown),
             causes,
         }
+    }
+
+    fn episodes(&self, named: bool) -> Vec<Episode> {
+        let state = if named { &self.account.last } else { &self.account.start };
+        let (fit, check) = (&state.fit.system.residual, &state.residual);
+        episodes((self.search.fit, fit), (self.search.check, check))
     }
 
     /// The best two of the first round that is not decided, or of the first.
@@ -117,7 +133,7 @@ impl<'a, 'e> Findings<'a, 'e> {
         let rivals = |round: &&Round<'a, 'e>| {
             round.ranked.iter().filter(|h| h.at_bound.is_none()).take(2).count() == 2
         };
-        let Some(round) = self.rounds.iter().find(rivals) else { return String::new() };
+        let Some(round) = self.account.rounds.iter().find(rivals) else { return String::new() };
         let mut best = round.ranked.iter().filter(|h| h.at_bound.is_none());
         match (best.next(), best.next()) {
             (Some(a), Some(b)) if a.score > 0.0 && b.score > 0.0 => {
@@ -144,9 +160,13 @@ impl<'a, 'e> Findings<'a, 'e> {
     }
 
     fn causes(&self, unknown: f64) -> Vec<Cause> {
-        let values = intervals::values(&self.last.fit, self.search.check, &self.last.residual);
+        let values = intervals::values(
+            &self.account.last.fit,
+            self.search.check,
+            &self.account.last.residual,
+        );
         let of = |h: &Hypothesis| {
-            let causes = &self.last.fit.model.causes;
+            let causes = &self.account.last.fit.model.causes;
             let place = causes.iter().position(|t| t.candidate == h.trial.candidate);
             place.map_or_else(Vec::new, |i| values[i].clone())
         };
@@ -165,13 +185,13 @@ impl<'a, 'e> Findings<'a, 'e> {
                 remedy: about.remedy.into(),
             }
         };
-        self.standings.iter().map(cause).collect()
+        self.account.standings.iter().map(cause).collect()
     }
 
     /// The strongest cause's rivals, "none" and "unknown": what is at work first of all.
     fn ranking(&self, unknown: f64) -> Vec<Ranked> {
-        let Some(first) = self.rounds.first() else { return Vec::new() };
-        let (ranked, claim) = match self.standings.first() {
+        let Some(first) = self.account.rounds.first() else { return Vec::new() };
+        let (ranked, claim) = match self.account.standings.first() {
             Some(strongest) => (&strongest.ranked, 1.0),
             // Nothing was accepted: what chance finds as often is hardly a candidate.
             None => (&first.ranked, (1.0 - first.p).powi(2) * 0.5),
@@ -220,7 +240,7 @@ impl<'a, 'e> Findings<'a, 'e> {
     }
 
     fn rejected(&self) -> Vec<Rejected> {
-        let first = self.rounds.iter().take(1).flat_map(|r| r.ranked.iter());
+        let first = self.account.rounds.iter().take(1).flat_map(|r| r.ranked.iter());
         let bound = first.filter_map(|h| {
             let parameter = h.at_bound?;
             Some(Rejected {
@@ -232,31 +252,30 @@ impl<'a, 'e> Findings<'a, 'e> {
         bound.collect()
     }
 
-    /// Values of the twin's open effects, one per joint.
+    /// Values of the twin's open effects, and of link masses that were fitted along, one per joint.
     fn fitted(&self, fit: &Fit<'a, 'e>) -> BTreeMap<String, Vec<f64>> {
         let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+        let known = &fit.evidence.twin.values;
         let mut next = 0;
         for term in &fit.model.open {
             let mut nonlinear = term.nonlinear.iter();
-            if !term.prior.is_empty() {
-                next += term.candidate.linear();
-                continue;
-            }
-            for p in term.candidate.effect.about().parameters {
-                let value = match p.role {
-                    Role::Linear => {
-                        next += 1;
-                        fit.system.x[next - 1]
-                    }
-                    Role::Nonlinear => nonlinear.next().copied().unwrap_or(p.typical),
-                };
+            let at = if let Place::Joint(j) = term.candidate.place { j } else { 0 };
+            let parameters = term.candidate.effect.about().parameters.iter();
+            for p in parameters.filter(|p| !p.is_reference()) {
                 let count = match term.candidate.place {
                     Place::Joint(_) => fit.evidence.joints(),
                     Place::Arm => 1,
                 };
                 let row = values.entry(p.name.into()).or_insert_with(|| vec![p.null; count]);
-                let at = if let Place::Joint(j) = term.candidate.place { j } else { 0 };
-                row[at] = value;
+                row[at] = match p.role {
+                    Role::Linear => {
+                        next += 1;
+                        // What is fitted along corrects what is known.
+                        let before = known.get(p.name).and_then(|v| v.get(at)).unwrap_or(&0.0);
+                        before + fit.system.x[next - 1]
+                    }
+                    Role::Nonlinear => nonlinear.next().copied().unwrap_or(p.typical),
+                };
             }
         }
         values
@@ -264,16 +283,16 @@ impl<'a, 'e> Findings<'a, 'e> {
 
     fn gap(&self) -> super::Gap {
         let check = self.search.check;
-        let residual = check.over_time(&self.start.residual);
+        let residual = check.over_time(&self.account.start.residual);
         let masks = check.masks();
         gap(check.samples, check.twin, &residual, &masks, &self.floor, self.settings().seed)
     }
 
     fn shrink(&self, named: bool) -> super::TorqueShrink {
-        let after = if named { &self.last.residual } else { &self.start.residual };
+        let after = if named { &self.account.last.residual } else { &self.account.start.residual };
         let floor: Vec<f64> = self.floor.iter().map(|f| f.noise_nm).collect();
         let seed = self.settings().seed;
-        self.pair(&self.start.residual, after, |pair| torque_shrink(pair, &floor, seed))
+        self.pair(&self.account.start.residual, after, |pair| torque_shrink(pair, &floor, seed))
     }
 
     fn pair<T>(&self, before: &Blocks, after: &Blocks, with: impl Fn(&BeforeAfter) -> T) -> T {
@@ -301,28 +320,21 @@ impl<'a, 'e> Findings<'a, 'e> {
             declined: r.declined.clone(),
             ranked: r.ranked.iter().take(SHOWN).map(scored).collect(),
         };
-        self.rounds.iter().map(round).collect()
+        self.account.rounds.iter().map(round).collect()
     }
 
     fn notes(&self, remains: &Remains, unknown: f64) -> Vec<String> {
         let mut notes: Vec<String> = self.lagging.iter().map(Lagging::says).collect();
         let Settings { mass_error, centre_error_m, .. } = self.settings();
-        if self.uncertain {
+        if self.account.uncertain {
             notes.push(format!(
                 "link masses are fitted along, known to {:.0} %, their centres to {:.0} mm",
                 100.0 * mass_error,
                 1000.0 * centre_error_m
             ));
         }
-        if let Some(other) = &self.other {
-            let taken = if self.uncertain { "taken as they are" } else { "fitted along" };
-            let named = if other.is_empty() { "nothing".into() } else { other.join(", ") };
-            notes.push(format!(
-                "with link masses {taken} the search finds {named}: the verdict \
-                                depends on how well they are known"
-            ));
-        }
-        if let Some(why) = self.rounds.last().and_then(|r| r.declined.as_ref()) {
+        notes.extend(self.account.notes.iter().cloned());
+        if let Some(why) = self.account.rounds.last().and_then(|r| r.declined.as_ref()) {
             notes.push(format!("the search ended because {why}"));
         }
         if !remains.is_exact() {
@@ -371,42 +383,6 @@ fn share_of(ranked: &[Hypothesis], h: &Hypothesis) -> f64 {
     found.map_or(0.0, |i| shares[i])
 }
 
-impl Findings<'_, '_> {
-    /// What is left on the check recording where the arm moves, at the worst joint.
-    fn worst(&self) -> f64 {
-        in_motion_band(self.search.check, &self.last.residual).into_iter().fold(1.0, f64::max)
-    }
-
-    fn names(&self) -> Vec<String> {
-        self.accepted().iter().map(|h| describe(h.trial.candidate)).collect()
-    }
-}
-
-/// The twin's own fit and everything found against it. Where that leaves something systematic, the
-/// search is repeated with link masses and centres free within what is known of them; the one that
-/// leaves less is the answer.
-pub fn findings<'a, 'e>(search: &'a Search<'a, 'e>, floor: &[Floor]) -> Findings<'a, 'e> {
-    let run = |model: Model, uncertain| {
-        let start = search.state(model);
-        let (rounds, model) = search.run(&start);
-        let standings = standings(search, &rounds, &model);
-        let (last, floor) = (search.state(model), floor.to_vec());
-        let (lagging, other) = (None, None);
-        Findings { search, start, rounds, standings, last, floor, uncertain, lagging, other }
-    };
-    let (twin, settings) = (search.fit.twin, search.settings);
-    let lagging = kinematics::lagging(search.fit, search.check, settings);
-    let exact = Findings { lagging: lagging.clone(), ..run(Model::of(twin), false) };
-    if exact.worst() < SYSTEMATIC || settings.mass_error <= 0.0 {
-        return exact;
-    }
-    let free = Findings { lagging, ..run(Model::of_uncertain(twin, settings), true) };
-    let (mut better, worse) =
-        if free.worst() < exact.worst() { (free, exact) } else { (exact, free) };
-    better.other = Some(worse.names()).filter(|names| *names != better.names());
-    better
-}
-
 /// A cause that torque does not show goes first: what the others share is left by it.
 fn ranked_with(sensor: &[Cause], mut ranking: Vec<Ranked>) -> Vec<Ranked> {
     for cause in sensor {
@@ -418,23 +394,4 @@ fn ranked_with(sensor: &[Cause], mut ranking: Vec<Ranked>) -> Vec<Ranked> {
         ranking.insert(0, Ranked { effect, joints, probability, gain_fit, gain_check });
     }
     ranking
-}
-
-/// Every accepted cause among its rivals, strongest first. A single one stands as it was found.
-fn standings<'a, 'e>(
-    search: &Search<'a, 'e>,
-    rounds: &[Round<'a, 'e>],
-    model: &Model,
-) -> Vec<Standing<'a, 'e>> {
-    let first = rounds.first().and_then(|r| r.accepted.map(|i| (r, i)));
-    if let (Some((round, index)), [only]) = (first, &model.causes[..])
-        && round.ranked[index].fit.model.causes[0] == *only
-    {
-        let (ranked, tolerance) = (round.ranked.clone(), round.tolerance);
-        let without = search.state(model.without(&[0]));
-        return vec![Standing { ranked, index, tolerance, without }];
-    }
-    let mut standings = search.standings(model);
-    standings.sort_by(|a, b| b.cause().score.total_cmp(&a.cause().score));
-    standings
 }

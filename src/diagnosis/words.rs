@@ -4,12 +4,16 @@ use super::{Cause, Diagnosis, Verdict};
 
 /// "joint 2", "joints 1, 3" or "the whole arm"; joints count from 1.
 pub fn place(joints: &[usize]) -> String {
-    let list: Vec<String> = joints.iter().map(ToString::to_string).collect();
     match joints.len() {
         0 => "the whole arm".into(),
-        1 => format!("joint {}", list[0]),
-        _ => format!("joints {}", list.join(", ")),
+        1 => format!("joint {}", list(joints)),
+        _ => format!("joints {}", list(joints)),
     }
+}
+
+/// "1, 3"
+pub fn list(joints: &[usize]) -> String {
+    joints.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// What is wrong with the twin, how sure that is, and what adding it brings, in one sentence.

@@ -211,6 +211,12 @@ pub trait Effect: Sync {
         starts::spread(self.about().parameters)
     }
 
+    /// Explain: do the columns follow from what the drive supplies, all other effects included
+    /// ([`Motion::drive_torque`])?
+    fn follows_drive(&self) -> bool {
+        false
+    }
+
     /// Ends between which nonlinear parameter `i` is searched around these values, where a fit may
     /// have several optima between them; `None`: between the neighbouring starts.
     fn bracket(&self, _nonlinear: &[f64], _i: usize) -> Option<[f64; 2]> {

@@ -29,11 +29,23 @@ impl Rigid {
     }
 
     pub(super) fn torque(&self, robot: &Robot, motion: [&JointSeries; 3]) -> &JointSeries {
-        self.torque.get_or_init(|| torque(robot, motion))
+        kept(&self.torque, || torque(robot, motion))
     }
 
     pub(super) fn slopes(&self, robot: &Robot, motion: [&JointSeries; 3], joint: usize) -> &Slopes {
-        self.slopes[joint].get_or_init(|| Slopes::new(robot, motion, joint))
+        kept(&self.slopes[joint], || Slopes::new(robot, motion, joint))
+    }
+}
+
+/// Worked out before the cell is locked: it runs in parallel, and a thread that waits for its parts
+/// may meet the same cell again. Two threads may do the same work; the first result stays.
+fn kept<T>(cell: &OnceLock<T>, work_out: impl FnOnce() -> T) -> &T {
+    match cell.get() {
+        Some(value) => value,
+        None => {
+            let value = work_out();
+            cell.get_or_init(|| value)
+        }
     }
 }
 

@@ -1,9 +1,11 @@
 //! Torque constant that is not the nominal one: tau = g tau_drive, g = K_nominal / K_true - 1.
 //!
-//! `tau_drive` is what is known of the drive's torque: what is fitted besides (friction) comes out
+//! `tau_drive` is what is known of the drive's torque. What is fitted besides (friction) counts as
+//! known once it has a value, as in a diagnosis; before it has, as in a single fit, it comes out
 //! larger by the factor 1 + g. Needs a known load.
 
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope};
+use crate::robot::Robot;
 
 pub struct TorqueConstant;
 
@@ -33,11 +35,22 @@ impl Effect for TorqueConstant {
         &ABOUT
     }
 
+    fn follows_drive(&self) -> bool {
+        true
+    }
+
     fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {
         vec![motion.drive_torque().joint(joint).to_vec()]
+    }
+
+    fn expected(&self, _: &Robot, _: usize) -> Vec<f64> {
+        vec![DATA_SHEET_ERROR]
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         mechanism.torque_gain[joint] *= 1.0 + values[0];
     }
 }
+
+/// What data sheets are commonly wrong by.
+const DATA_SHEET_ERROR: f64 = 0.1;

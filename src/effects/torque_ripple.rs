@@ -5,6 +5,7 @@
 use std::f64::consts::PI;
 
 use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
+use crate::robot::Robot;
 
 pub struct TorqueRipple;
 
@@ -67,11 +68,18 @@ impl Effect for TorqueRipple {
         vec![wave(f64::sin), wave(f64::cos)]
     }
 
+    fn expected(&self, _: &Robot, _: usize) -> Vec<f64> {
+        vec![USUAL_NM, USUAL_NM]
+    }
+
     fn act(&self, values: &[f64], state: &JointState<'_>, _: &mut [f64], load: &mut JointLoad) {
         let (sin, cos) = (values[2] * state.q).sin_cos();
         load.torque += values[0] * sin + values[1] * cos;
     }
 }
+
+/// What harmonic drives of arms this size show, N.m: rarely more.
+const USUAL_NM: f64 = 1.0;
 
 /// Highest order searched for: twice per motor turn of a gear of 200.
 const HIGHEST_ORDER: f64 = 400.0;

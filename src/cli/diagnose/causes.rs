@@ -6,7 +6,7 @@ use crate::report::{paragraph, table, to_uncertainty};
 
 pub fn section(causes: &[Cause]) -> String {
     let body: Vec<String> = causes.iter().map(cause).collect();
-    titled("Which effect: causes, strongest first", &body.join("\n"))
+    titled("Which effect: causes, what takes most off first", &body.join("\n"))
 }
 
 fn cause(c: &Cause) -> String {
@@ -26,7 +26,7 @@ fn cause(c: &Cause) -> String {
     text += &paragraph(
         "  check    ",
         &format!(
-            "{:.3} -> {:.3} N.m when added after those above, {} of the mean square ({} .. {})",
+            "{:.3} -> {:.3} N.m when added to the others, {} of the mean square ({} .. {})",
             s.check_before_nm,
             s.check_after_nm,
             words::percent(s.fraction),

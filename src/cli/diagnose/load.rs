@@ -50,10 +50,15 @@ pub fn condition(
     Ok([recorded(fit)?, recorded(check)?])
 }
 
-/// Where one of them lacks the command, both are conditioned without.
+/// Where one of them lacks the command, both are conditioned without; where one is long, both are
+/// low-passed alike.
 fn common(recordings: &[Recording; 2], dof: usize) -> Conditioning {
     let [fit, check] = recordings.each_ref().map(|r| conditioning(r, dof));
-    if fit == check { fit } else { Conditioning::default() }
+    match (fit.derivatives == check.derivatives, fit.torque_cutoff_hz >= check.torque_cutoff_hz) {
+        (false, _) => Conditioning::default(),
+        (true, true) => fit,
+        (true, false) => check,
+    }
 }
 
 pub fn refuse_same_file(fit: &Path, check: &Path) -> anyhow::Result<()> {

@@ -1,7 +1,7 @@
 //! A diagnosis for people: the answer first, then what it rests on.
 
 use super::{Diagnosed, causes, gap};
-use crate::diagnosis::{Diagnosis, Ranked, words};
+use crate::diagnosis::{Diagnosis, Episode, Ranked, words};
 use crate::report::html::Fact;
 use crate::report::{paragraph, table};
 
@@ -20,6 +20,7 @@ pub fn findings(d: &Diagnosis) -> String {
     text += &shrink(d);
     text += &causes::set_aside(d);
     text += &leftover(d);
+    text += &episodes(d);
     text + &next(d)
 }
 
@@ -110,6 +111,29 @@ fn leftover(d: &Diagnosis) -> String {
     }
     let systematic = if d.leftover.systematic { "something systematic" } else { "noise" };
     titled(&format!("What is left: {systematic}"), &body)
+}
+
+fn episodes(d: &Diagnosis) -> String {
+    let row = |e: &Episode| {
+        let force: Vec<String> = e.force_n.iter().map(|f| format!("{f:.0}")).collect();
+        vec![
+            e.recording.clone(),
+            format!("{:.1} .. {:.1}", e.start, e.end),
+            words::list(&e.joints),
+            format!("{:.1}", e.peak_nm),
+            if e.is_push() { force.join(" ") } else { "-".into() },
+            words::percent(e.explained.max(0.0)),
+        ]
+    };
+    let header = ["recording", "time s", "joints", "peak N.m", "force at the flange N", "explains"];
+    let mut body = table(&header, 3, d.episodes.iter().map(row));
+    if d.episodes.is_empty() {
+        body.clear();
+    } else {
+        body +=
+            "\nlouder than anything in the other recording: a contact where one force explains it";
+    }
+    titled("Stretches that stand out", &body)
 }
 
 fn next(d: &Diagnosis) -> String {

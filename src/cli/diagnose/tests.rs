@@ -101,6 +101,7 @@ fn by_hand() -> Diagnosis {
         next_experiment: "slow plateaus in both directions".into(),
         fitted: Default::default(),
         fitted_before: Default::default(),
+        episodes: Vec::new(),
         rounds: Vec::new(),
         notes: vec![],
     }

@@ -78,6 +78,7 @@ fn answer(verdict: Verdict, causes: Vec<Cause>, ranking: &[(&str, &[usize], f64)
         next_experiment: String::new(),
         fitted: Default::default(),
         fitted_before: Default::default(),
+        episodes: Vec::new(),
         rounds: vec![],
         notes: vec![],
     };

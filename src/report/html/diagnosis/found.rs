@@ -26,7 +26,7 @@ fn one(c: &Cause) -> Markup {
         p { (sentence(&c.cause)) }
         (table(&["parameter", "unit", "value", "90 % low", "high", ""], 2, c.parameters.iter().map(value)))
         p {
-            "On the check recording, added after those above: "
+            "On the check recording, added to the others: "
             (format!("{check_before_nm:.3} → {check_after_nm:.3} N.m, "))
             (words::percent(fraction)) " of the mean square "
             "(90 % interval " (words::percent(low)) " to " (words::percent(high)) ")."

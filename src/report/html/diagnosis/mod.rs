@@ -25,7 +25,7 @@ pub struct DiagnosisReport<'a> {
 pub fn diagnosis_report(report: &DiagnosisReport<'_>) -> String {
     let d = report.diagnosis;
     let sections = vec![
-        Section::new("causes", "Which effect: causes, strongest first", found::causes(d)),
+        Section::new("causes", "Which effect: causes, what takes most off first", found::causes(d)),
         Section::new("gap", "Where the twin differs", gap::tables(d, report.traces)),
         Section::new("friction", "Torque over speed", plots::friction(report.traces)),
         Section::new("residual", "What is left, and where", plots::residuals(d, report.traces)),
