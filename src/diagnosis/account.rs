@@ -154,12 +154,13 @@ impl<'a, 'e> Search<'a, 'e> {
         best
     }
 
-    /// Free masses are the answer where they leave less and stay within what is known of them.
+    /// Free masses are the answer where they stay within what is known of them and predict the second
+    /// recording better.
     fn with_masses(&self, exact: Account<'a, 'e>, free: Account<'a, 'e>) -> Account<'a, 'e> {
         let off = free.off_by();
         let credible = off <= CREDIBLE;
         let [taken, names] = [&exact, &free].map(Account::names);
-        if credible && free.worst(self) < exact.worst(self) {
+        if credible && self.lead(&free, &exact) > LEAST_NATS {
             let mut best = free;
             if taken != names {
                 best.notes.push(format!(
@@ -182,6 +183,14 @@ impl<'a, 'e> Search<'a, 'e> {
             ));
         }
         best
+    }
+
+    /// Log-likelihood by which one account predicts the second recording better than another, nats:
+    /// more free parameters are no advantage there.
+    fn lead(&self, one: &Account<'a, 'e>, other: &Account<'a, 'e>) -> f64 {
+        let share = effective_shares(&one.last.fit.system.residual);
+        let [_, on_check] = self.gains(&other.last, &one.last.fit, &one.last.residual, &share);
+        on_check
     }
 
     /// Every cause of the model among its rivals, what takes most off the gap first. A single one
