@@ -15,6 +15,7 @@ mod motor;
 #[cfg(feature = "viewer")]
 mod picture;
 mod readme;
+mod real;
 mod recording;
 mod robots;
 mod round_trip;
