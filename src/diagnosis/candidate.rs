@@ -214,3 +214,28 @@ pub fn shown(evidence: &Evidence<'_>, sensors: &[Term], column: Vec<Vec<f64>>) -
     };
     Blocks(column.into_iter().enumerate().map(one).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What stands in the catalogue is searched for, everywhere it may act: nothing else is needed
+    /// for a diagnosis to find a new effect.
+    #[test]
+    fn every_effect_of_the_catalogue_is_a_candidate() {
+        let twin = Twin::default();
+        let all = candidates(&twin, &[]);
+        for effect in CATALOGUE {
+            let name = effect.about().name;
+            let at = all.iter().filter(|c| c.name() == name).count();
+            let known = twin.effects.iter().any(|e| e == name);
+            let least = match effect.about().scope {
+                _ if known || effect.seen() == Seen::Simulation => 0,
+                Scope::Arm => 1,
+                Scope::Joint | Scope::Link => twin.robot.dof(),
+            };
+            assert!(at >= least && (least > 0 || at == 0), "{name}: {at} candidates");
+            assert!(candidates(&twin, &[name.into()]).iter().all(|c| c.name() != name));
+        }
+    }
+}

@@ -24,6 +24,7 @@ mod reasons;
 mod regimes;
 mod repeats;
 mod revise;
+mod rivals;
 mod search;
 mod select;
 mod shrink;

@@ -10,13 +10,14 @@ use super::evidence::Evidence;
 use super::kinematics::{self, Lagging};
 use super::leftover::{Remains, SYSTEMATIC, leftover};
 use super::model::Fit;
-use super::rank::{Hypothesis, LEAST_NATS, acts_on, describe};
+use super::rank::{Hypothesis, acts_on, describe};
 use super::revise::Standing;
+use super::rivals::{equivalents, named as name_of, ranked_with, share_of};
 use super::select::{Round, Search};
 use super::untestable::untestable;
 use super::{
-    BeforeAfter, Cause, Diagnosis, Floor, Named, Ranked, Rejected, RoundEvidence, Scored, Settings,
-    Shrink, Verdict, experiment, gap, intervals, probability, torque_shrink,
+    BeforeAfter, Cause, Diagnosis, Floor, Rejected, RoundEvidence, Scored, Settings, Shrink,
+    Verdict, experiment, gap, intervals, probability, torque_shrink,
 };
 use crate::effects::Role;
 use crate::series::JointSeries;
@@ -128,19 +129,33 @@ impl<'a, 'e> Findings<'a, 'e> {
         episodes((self.search.fit, fit), (self.search.check, check))
     }
 
-    /// The best two of the first round that is not decided, or of the first.
+    /// For the two that most need telling apart.
     fn next_experiment(&self) -> String {
-        let rivals = |round: &&Round<'a, 'e>| {
-            round.ranked.iter().filter(|h| h.at_bound.is_none()).take(2).count() == 2
-        };
-        let Some(round) = self.account.rounds.iter().find(rivals) else { return String::new() };
-        let mut best = round.ranked.iter().filter(|h| h.at_bound.is_none());
-        match (best.next(), best.next()) {
-            (Some(a), Some(b)) if a.score > 0.0 && b.score > 0.0 => {
+        match self.rivals() {
+            Some([a, b]) if a.score > 0.0 && b.score > 0.0 => {
                 experiment::next(self.search.check, &self.floor, [a, b], self.settings())
             }
             _ => String::new(),
         }
+    }
+
+    /// A cause and what looks the same, else the cause that takes most off and its best rival; where
+    /// nothing was accepted the best two of the search.
+    fn rivals(&self) -> Option<[&Hypothesis<'a, 'e>; 2]> {
+        let other = |standing: &'_ Standing<'a, 'e>| {
+            let mine = standing.cause().trial.candidate;
+            let usable = |h: &Hypothesis| h.trial.candidate != mine && h.at_bound.is_none();
+            standing.ranked.iter().position(usable)
+        };
+        let pair = |s: &'_ Standing<'a, 'e>| other(s).map(|i| (i, equivalents(s).is_empty()));
+        let standings = &self.account.standings;
+        let open = standings.iter().find(|s| pair(s).is_some_and(|(_, decided)| !decided));
+        if let Some(standing) = open.or(standings.first()) {
+            return Some([standing.cause(), &standing.ranked[other(standing)?]]);
+        }
+        let ranked = &self.account.rounds.first()?.ranked;
+        let mut best = ranked.iter().filter(|h| h.at_bound.is_none());
+        Some([best.next()?, best.next()?])
     }
 
     fn verdict(&self, named: bool, sensor_alone: bool, remains: &Remains) -> Verdict {
@@ -186,57 +201,6 @@ impl<'a, 'e> Findings<'a, 'e> {
             }
         };
         self.account.standings.iter().map(cause).collect()
-    }
-
-    /// The strongest cause's rivals, "none" and "unknown": what is at work first of all.
-    fn ranking(&self, unknown: f64) -> Vec<Ranked> {
-        let Some(first) = self.account.rounds.first() else { return Vec::new() };
-        let (ranked, claim) = match self.account.standings.first() {
-            Some(strongest) => (&strongest.ranked, 1.0),
-            // Nothing was accepted: what chance finds as often is hardly a candidate.
-            None => (&first.ranked, (1.0 - first.p).powi(2) * 0.5),
-        };
-        let scores: Vec<f64> = ranked.iter().map(|h| h.score).collect();
-        let shares = probability::shares(&scores);
-        let known = 1.0 - unknown;
-        let mut rows: Vec<Ranked> = ranked
-            .iter()
-            .zip(&shares)
-            .map(|(h, share)| Ranked {
-                effect: h.trial.candidate.name().into(),
-                joints: h.trial.candidate.place.joints(),
-                probability: known * claim * share,
-                gain_fit: h.gain_fit,
-                gain_check: h.gain_check,
-            })
-            .collect();
-        let refined = |name: &str, joints: &[usize]| {
-            ranked.iter().any(|h| {
-                h.trial.candidate.name() == name && h.trial.candidate.place.joints() == joints
-            })
-        };
-        rows.extend(first.screened.iter().filter_map(|t| {
-            let (name, joints) = (t.candidate.name(), t.candidate.place.joints());
-            (!refined(name, &joints)).then(|| Ranked {
-                effect: name.into(),
-                joints,
-                probability: 0.0,
-                gain_fit: t.gain,
-                gain_check: 0.0,
-            })
-        }));
-        let rest = |effect: &str, probability| Ranked {
-            effect: effect.into(),
-            joints: Vec::new(),
-            probability,
-            gain_fit: 0.0,
-            gain_check: 0.0,
-        };
-        let claimed: f64 = rows.iter().map(|r| r.probability).sum();
-        rows.push(rest("none", (known - claimed).max(0.0)));
-        rows.push(rest("unknown", unknown));
-        rows.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        rows
     }
 
     fn rejected(&self) -> Vec<Rejected> {
@@ -316,7 +280,7 @@ impl<'a, 'e> Findings<'a, 'e> {
         let round = |r: &Round| RoundEvidence {
             p: r.p,
             in_motion_band: r.in_motion_band.clone(),
-            accepted: r.accepted.map(|i| named(&r.ranked[i])),
+            accepted: r.accepted.map(|i| name_of(&r.ranked[i])),
             declined: r.declined.clone(),
             ranked: r.ranked.iter().take(SHOWN).map(scored).collect(),
         };
@@ -354,44 +318,4 @@ impl<'a, 'e> Findings<'a, 'e> {
         }
         notes
     }
-}
-
-/// What does as well within the tolerance, and is not rejected: by its score, or by what it explains
-/// where only the price of a further parameter sets it behind.
-fn equivalents(standing: &Standing) -> Vec<Named> {
-    let cause = standing.cause();
-    let explained = |h: &Hypothesis| h.gain_fit + h.gain_check;
-    let near = |o: &&Hypothesis| {
-        o.trial.candidate != cause.trial.candidate
-            && o.at_bound.is_none()
-            && (o.score >= cause.score - standing.tolerance
-                || explained(o) >= explained(cause) - LEAST_NATS)
-    };
-    standing.ranked.iter().filter(near).map(named).collect()
-}
-
-fn named(h: &Hypothesis) -> Named {
-    Named { effect: h.trial.candidate.name().into(), joints: h.trial.candidate.place.joints() }
-}
-
-/// Probability among its rivals.
-fn share_of(ranked: &[Hypothesis], h: &Hypothesis) -> f64 {
-    let usable: Vec<&Hypothesis> = ranked.iter().filter(|o| o.at_bound.is_none()).collect();
-    let scores: Vec<f64> = usable.iter().map(|o| o.score).collect();
-    let shares = probability::shares(&scores);
-    let found = usable.iter().position(|o| o.trial.candidate == h.trial.candidate);
-    found.map_or(0.0, |i| shares[i])
-}
-
-/// A cause that torque does not show goes first: what the others share is left by it.
-fn ranked_with(sensor: &[Cause], mut ranking: Vec<Ranked>) -> Vec<Ranked> {
-    for cause in sensor {
-        ranking.retain(|r| r.effect != cause.effect || r.joints != cause.joints);
-        ranking.iter_mut().for_each(|r| r.probability *= 1.0 - cause.probability);
-        let (effect, joints) = (cause.effect.clone(), cause.joints.clone());
-        let [gain_fit, gain_check] = [0.0; 2];
-        let probability = 1.0 - ranking.iter().map(|r| r.probability).sum::<f64>();
-        ranking.insert(0, Ranked { effect, joints, probability, gain_fit, gain_check });
-    }
-    ranking
 }

@@ -1,6 +1,6 @@
 //! A diagnosis in sentences.
 
-use super::{Cause, Diagnosis, Verdict};
+use super::{Cause, Diagnosis, Episode, Verdict};
 
 /// "joint 2", "joints 1, 3" or "the whole arm"; joints count from 1.
 pub fn place(joints: &[usize]) -> String {
@@ -54,15 +54,24 @@ pub fn sentence(d: &Diagnosis) -> String {
     }
 }
 
+/// Every effect once, with all its joints and the least of their probabilities.
 fn causes(d: &Diagnosis) -> String {
-    let one = |c: &Cause| {
-        let also = match c.equivalent.len() {
-            0 => "",
-            _ => ", or what looks the same here",
-        };
-        format!("{} at {} ({}{also})", c.effect, place(&c.joints), percent(c.probability))
+    let alike = |a: &Cause, b: &Cause| a.effect == b.effect && a.joints.len() == b.joints.len();
+    let is_first = |(i, c): &(usize, &Cause)| !d.causes[..*i].iter().any(|before| alike(before, c));
+    let one = |(_, first): (usize, &Cause)| {
+        let all: Vec<&Cause> = d.causes.iter().filter(|c| alike(first, c)).collect();
+        let mut joints: Vec<usize> = all.iter().flat_map(|c| c.joints.iter().copied()).collect();
+        joints.sort_unstable();
+        let least = all.iter().map(|c| c.probability).fold(1.0, f64::min);
+        let same = all.iter().any(|c| !c.equivalent.is_empty());
+        let also = if same { ", or what looks the same here" } else { "" };
+        format!("{} at {} ({}{also})", first.effect, place(&joints), percent(least))
     };
-    d.causes.iter().map(one).collect::<Vec<_>>().join(" and ")
+    let named: Vec<String> = d.causes.iter().enumerate().filter(is_first).map(one).collect();
+    match named.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => named.concat(),
+    }
 }
 
 /// Where most of the gap lies.
@@ -78,6 +87,26 @@ fn remark(text: &str) -> String {
     let text = text.trim().trim_end_matches('.');
     if text.is_empty() { String::new() } else { format!(" ({text})") }
 }
+
+/// Header and cells of a table of stretches that stand out.
+pub const EPISODES: [&str; 6] =
+    ["recording", "time s", "joints", "peak N.m", "force at the flange N", "explains"];
+
+pub fn episode(e: &Episode) -> Vec<String> {
+    let force: Vec<String> = e.force_n.iter().map(|f| format!("{f:.0}")).collect();
+    vec![
+        e.recording.clone(),
+        format!("{:.1} .. {:.1}", e.start, e.end),
+        list(&e.joints),
+        format!("{:.1}", e.peak_nm),
+        if e.is_push() { force.join(" ") } else { "-".into() },
+        percent(e.explained.max(0.0)),
+    ]
+}
+
+/// What that table shows.
+pub const LOUDER: &str = "louder than anything in the other recording; a contact where one force \
+                          at the flange explains it";
 
 /// "97 %"; never "100 %" for less than that.
 pub fn percent(share: f64) -> String {

@@ -1,7 +1,7 @@
 //! A diagnosis for people: the answer first, then what it rests on.
 
 use super::{Diagnosed, causes, gap};
-use crate::diagnosis::{Diagnosis, Episode, Ranked, words};
+use crate::diagnosis::{Diagnosis, Ranked, words};
 use crate::report::html::Fact;
 use crate::report::{paragraph, table};
 
@@ -114,26 +114,11 @@ fn leftover(d: &Diagnosis) -> String {
 }
 
 fn episodes(d: &Diagnosis) -> String {
-    let row = |e: &Episode| {
-        let force: Vec<String> = e.force_n.iter().map(|f| format!("{f:.0}")).collect();
-        vec![
-            e.recording.clone(),
-            format!("{:.1} .. {:.1}", e.start, e.end),
-            words::list(&e.joints),
-            format!("{:.1}", e.peak_nm),
-            if e.is_push() { force.join(" ") } else { "-".into() },
-            words::percent(e.explained.max(0.0)),
-        ]
-    };
-    let header = ["recording", "time s", "joints", "peak N.m", "force at the flange N", "explains"];
-    let mut body = table(&header, 3, d.episodes.iter().map(row));
     if d.episodes.is_empty() {
-        body.clear();
-    } else {
-        body +=
-            "\nlouder than anything in the other recording: a contact where one force explains it";
+        return String::new();
     }
-    titled("Stretches that stand out", &body)
+    let rows = table(&words::EPISODES, 3, d.episodes.iter().map(words::episode));
+    titled("Stretches that stand out", &format!("{rows}\n{}", words::LOUDER))
 }
 
 fn next(d: &Diagnosis) -> String {

@@ -91,6 +91,16 @@ fn row(r: &Ranked) -> Vec<String> {
     ]
 }
 
+pub fn episodes(d: &Diagnosis) -> Markup {
+    if d.episodes.is_empty() {
+        return html! {};
+    }
+    html! {
+        (table(&words::EPISODES, 3, d.episodes.iter().map(words::episode)))
+        p.legend { (sentence(words::LOUDER)) }
+    }
+}
+
 pub fn shrink(d: &Diagnosis) -> Markup {
     let t = &d.shrink.torque;
     let row = |what: String, before: f64, after: f64, share: String| {

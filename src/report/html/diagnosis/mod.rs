@@ -34,6 +34,7 @@ pub fn diagnosis_report(report: &DiagnosisReport<'_>) -> String {
         Section::new("untestable", "What these data cannot test", untestable(d)),
         Section::new("rejected", "Rejected", rejected(d)),
         Section::new("left", left_title(d), left(d)),
+        Section::new("episodes", "Stretches that stand out", found::episodes(d)),
         Section::new("next", "Next experiment", next(d)),
         Section::new("about", "Recordings, settings, version", about(report)),
     ];
