@@ -144,7 +144,10 @@ impl<'a, 'e> Findings<'a, 'e> {
     fn rivals(&self) -> Option<[&Hypothesis<'a, 'e>; 2]> {
         let other = |standing: &'_ Standing<'a, 'e>| {
             let mine = standing.cause().trial.candidate;
-            let usable = |h: &Hypothesis| h.trial.candidate != mine && h.at_bound.is_none();
+            let usable = |h: &Hypothesis| {
+                let other = h.trial.candidate;
+                other != mine && other.extent().meets(mine.extent()) && h.at_bound.is_none()
+            };
             standing.ranked.iter().position(usable)
         };
         let pair = |s: &'_ Standing<'a, 'e>| other(s).map(|i| (i, equivalents(s).is_empty()));
