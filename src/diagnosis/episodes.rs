@@ -19,6 +19,8 @@ const WINDOW_S: f64 = 0.25;
 const BEYOND: f64 = 1.5;
 /// Rows of one joint in a window, least.
 const FEWEST: usize = 3;
+/// Joints that must slide: fewer are followed by a force of three components whatever pushes.
+const FEWEST_JOINTS: usize = 3;
 /// Stretches nearer to each other are one, s.
 const NEAR_S: f64 = 0.5;
 /// Share of a stretch's squares from which one force at the flange is its explanation.
@@ -143,6 +145,10 @@ impl Stretch<'_, '_> {
             self.evidence.samples.q.sample_into(k, &mut q);
             let jacobian = point_jacobian(robot, &q, last, &robot.flange.translation);
             (0..3).for_each(|axis| columns[(i, axis)] = jacobian[(axis, j)]);
+        }
+        let sliding = (0..robot.dof()).filter(|j| rows.iter().any(|(_, at)| at == j)).count();
+        if sliding < FEWEST_JOINTS {
+            return Some(([0.0; 3], 0.0));
         }
         let gaps = DVector::from_column_slice(gaps);
         let force = columns.clone().svd(true, true).solve(&gaps, 1e-9).ok()?;

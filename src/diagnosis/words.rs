@@ -18,6 +18,10 @@ pub fn list(joints: &[usize]) -> String {
 
 /// What is wrong with the twin, how sure that is, and what adding it brings, in one sentence.
 pub fn sentence(d: &Diagnosis) -> String {
+    verdict(d) + &pushes(d)
+}
+
+fn verdict(d: &Diagnosis) -> String {
     let torque = &d.shrink.torque;
     let shrunk = format!(
         "the gap shrinks from {:.2} to {:.2} N.m on the check recording ({} of its mean square, {} to {})",
@@ -51,6 +55,16 @@ pub fn sentence(d: &Diagnosis) -> String {
             worst(d),
             remark(&d.leftover.says)
         ),
+    }
+}
+
+/// When something pushed at the arm, as far as one force explains what stands out there.
+fn pushes(d: &Diagnosis) -> String {
+    let times = |e: &Episode| format!("{:.1} to {:.1} s ({})", e.start, e.end, e.recording);
+    let all: Vec<String> = d.episodes.iter().filter(|e| e.is_push()).map(times).collect();
+    match all.is_empty() {
+        true => String::new(),
+        false => format!(" Something pushes at the flange: {}.", all.join(", ")),
     }
 }
 
