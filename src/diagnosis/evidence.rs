@@ -81,7 +81,7 @@ impl<'a> Evidence<'a> {
             return Vec::new();
         }
         match &self.filter {
-            Some(filter) => filter.at(rows, &series),
+            Some(filter) => filter.at(rows, series),
             None => rows.iter().map(|&k| series[k]).collect(),
         }
     }
