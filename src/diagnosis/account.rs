@@ -155,12 +155,15 @@ impl<'a, 'e> Search<'a, 'e> {
     }
 
     /// Free masses are the answer where they stay within what is known of them and predict the second
-    /// recording better.
+    /// recording better, or as well with fewer causes.
     fn with_masses(&self, exact: Account<'a, 'e>, free: Account<'a, 'e>) -> Account<'a, 'e> {
         let off = free.off_by();
         let credible = off <= CREDIBLE;
         let [taken, names] = [&exact, &free].map(Account::names);
-        if credible && self.lead(&free, &exact) > LEAST_NATS {
+        let lead = self.lead(&free, &exact);
+        let causes = |a: &Account<'a, 'e>| a.last.fit.model.causes.len();
+        let simpler = causes(&free) < causes(&exact) && lead > -LEAST_NATS;
+        if credible && (lead > LEAST_NATS || simpler) {
             let mut best = free;
             if taken != names {
                 best.notes.push(format!(
