@@ -1,8 +1,8 @@
 //! Accounts of a gap: each a search from its first cause to its last, every cause given the others.
 //!
 //! A twin that is inexact throughout leaves room for more than one. The search takes the best cause
-//! first and then what that leaves; where something systematic remains it is repeated with the first
-//! load's rival in its place, and with link masses and centres free within what is known of them.
+//! first and then what that leaves; where something systematic remains it is repeated with the
+//! first load's rival in its place, and with link masses and centres free within what is known.
 
 use super::candidate::{Candidate, Extent};
 use super::leftover::{SYSTEMATIC, in_motion_band};
@@ -51,8 +51,8 @@ impl<'a, 'e> Account<'a, 'e> {
         in_motion_band(search.check, &self.last.residual).into_iter().fold(1.0, f64::max)
     }
 
-    /// Log-likelihood gained on both recordings less the price of all causes, nats, where `share` of
-    /// the samples count, joint by joint.
+    /// Log-likelihood gained on both recordings less the price of all causes, nats, where `share`
+    /// of the samples count, joint by joint.
     fn score(&self, search: &Search<'a, 'e>, share: &[f64]) -> f64 {
         let gains = search.gains(&self.start, &self.last.fit, &self.last.residual, share);
         let prices = (0..self.last.fit.model.causes.len()).map(|i| price(&self.last.fit, i));
@@ -138,6 +138,7 @@ impl<'a, 'e> Search<'a, 'e> {
         Some(other)
     }
 
+    /// The one with the higher score; what the other says is noted.
     fn better(&self, one: Account<'a, 'e>, other: Account<'a, 'e>) -> Account<'a, 'e> {
         let share = effective_shares(&one.last.fit.system.residual);
         let scores = [&one, &other].map(|a| a.score(self, &share));
@@ -154,8 +155,8 @@ impl<'a, 'e> Search<'a, 'e> {
         best
     }
 
-    /// Free masses are the answer where they stay within what is known of them and predict the second
-    /// recording better, or as well with fewer causes.
+    /// Free masses are the answer where they stay within what is known of them and predict the
+    /// second recording better, or as well with fewer causes.
     fn with_masses(&self, exact: Account<'a, 'e>, free: Account<'a, 'e>) -> Account<'a, 'e> {
         let off = free.off_by();
         let credible = off <= CREDIBLE;

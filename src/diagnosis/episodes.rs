@@ -1,9 +1,11 @@
-//! Stretches of a recording whose gap stands out against anything the other recording shows: somebody
-//! pushed, something was in the way.
+//! Stretches of a recording whose gap stands out against anything the other recording shows:
+//! somebody pushed, something was in the way.
 //!
-//! Over short windows the root mean square of what is left at each joint is held against the largest
-//! of the other recording at that joint. Where a stretch lies beyond it, one force at the flange, constant over it, is fitted to all joints (tau = J^T F): the share it
-//! explains tells a contact from a fault of a joint.
+//! Over short windows the root mean square of what is left at each joint is held against the
+//! largest of the other recording at that joint. Where a stretch lies beyond it, one force at the
+//! flange, constant over it, is fitted to all joints: tau = J^T F (Haddadin, De Luca, Albu-Schaffer,
+//! IEEE Trans. Robotics 33(6), 2017, eq. 1). The share it explains tells a contact from a fault of
+//! a joint.
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -45,12 +47,14 @@ pub struct Episode {
 }
 
 impl Episode {
+    /// Does one force explain most of it?
     pub fn is_push(&self) -> bool {
         self.explained >= PUSHED
     }
 }
 
-/// What stands out in either recording; `residuals` are what the twin with its causes leaves.
+/// What stands out in either recording: each with what the twin and its causes leave of the torque at
+/// its rows, N.m.
 pub fn episodes(fit: (&Evidence<'_>, &Blocks), check: (&Evidence<'_>, &Blocks)) -> Vec<Episode> {
     let windows = [&fit, &check].map(|(evidence, residual)| windows(evidence, residual));
     let largest = |joint: &Vec<f64>| joint.iter().copied().fold(0.0, f64::max);
@@ -139,6 +143,10 @@ impl Stretch<'_, '_> {
     fn force(&self, rows: &[(usize, usize)], gaps: &[f64]) -> Option<([f64; 3], f64)> {
         let robot = &self.evidence.twin.robot;
         let last = robot.dof().checked_sub(1)?;
+        let sliding = (0..robot.dof()).filter(|j| rows.iter().any(|(_, at)| at == j)).count();
+        if sliding < FEWEST_JOINTS {
+            return Some(([0.0; 3], 0.0));
+        }
         let mut q = vec![0.0; robot.dof()];
         let mut columns = DMatrix::zeros(rows.len(), 3);
         for (i, &(k, j)) in rows.iter().enumerate() {
@@ -146,14 +154,60 @@ impl Stretch<'_, '_> {
             let jacobian = point_jacobian(robot, &q, last, &robot.flange.translation);
             (0..3).for_each(|axis| columns[(i, axis)] = jacobian[(axis, j)]);
         }
-        let sliding = (0..robot.dof()).filter(|j| rows.iter().any(|(_, at)| at == j)).count();
-        if sliding < FEWEST_JOINTS {
-            return Some(([0.0; 3], 0.0));
-        }
         let gaps = DVector::from_column_slice(gaps);
         let force = columns.clone().svd(true, true).solve(&gaps, 1e-9).ok()?;
         let left = (&gaps - columns * &force).norm_squared();
         let explained = 1.0 - left / gaps.norm_squared().max(f64::MIN_POSITIVE);
         Some(([force[0], force[1], force[2]], explained))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::testing::samples;
+    use crate::signals::Samples;
+    use crate::twin::Twin;
+
+    const FORCE_N: [f64; 3] = [12.0, -20.0, 8.0];
+    const PUSH_S: [f64; 2] = [20.0, 22.0];
+
+    fn moving() -> Samples {
+        samples(6, 5000, |j, t| {
+            0.7 * (0.9 * t + j as f64).sin() + 0.2 * ((2.1 + 0.2 * j as f64) * t).sin()
+        })
+    }
+
+    /// A little of everything that is not a push, and J^T F while `from` <= t < `until` (s).
+    fn left(evidence: &Evidence<'_>, [from, until]: [f64; 2]) -> Blocks {
+        let (samples, robot) = (evidence.samples, &evidence.twin.robot);
+        let mut q = vec![0.0; 6];
+        let mut gap = |j: usize, k: usize| {
+            samples.q.sample_into(k, &mut q);
+            let jacobian = point_jacobian(robot, &q, 5, &robot.flange.translation);
+            let push: f64 = (0..3).map(|axis| jacobian[(axis, j)] * FORCE_N[axis]).sum();
+            let pushed = (from..until).contains(&samples.time(k));
+            0.05 * (7.0 * samples.time(k) + j as f64).sin() + if pushed { push } else { 0.0 }
+        };
+        let joint = |j: usize| evidence.rows[j].iter().map(|&k| gap(j, k)).collect();
+        Blocks((0..6).map(joint).collect())
+    }
+
+    #[test]
+    fn a_push_is_found_in_time_and_weighed() {
+        let (twin, samples) = (Twin::default(), moving());
+        let floor = noise_floor(&samples, &twin);
+        let evidence = Evidence::new(&twin, &samples, &floor).unwrap();
+        let [free, pushed] = [[0.0; 2], PUSH_S].map(|when| left(&evidence, when));
+        assert!(episodes((&evidence, &free), (&evidence, &free)).is_empty());
+        let found = episodes((&evidence, &free), (&evidence, &pushed));
+        let [push] = &found[..] else { panic!("{found:?}") };
+        assert!(push.recording == "check" && push.is_push() && push.explained > 0.95, "{push:?}");
+        let ends = [push.start - PUSH_S[0], push.end - PUSH_S[1]];
+        assert!(ends.iter().all(|off| off.abs() <= WINDOW_S), "{push:?}");
+        for (found, force) in push.force_n.iter().zip(FORCE_N) {
+            assert!((found - force).abs() < 2.0, "{push:?}");
+        }
     }
 }

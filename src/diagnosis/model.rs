@@ -102,11 +102,11 @@ impl Model {
         for term in self.open.iter_mut().chain(&mut self.causes) {
             term.linear = values.by_ref().take(term.candidate.linear()).collect();
         }
-        self.laden = self.built(twin, |_| true);
+        self.laden = self.laden_with(twin, |_| true);
     }
 
     /// The twin's robot with known loads and those of the causes that `which` asks for.
-    fn built(&self, twin: &Twin, which: impl Fn(&Candidate) -> bool) -> Robot {
+    fn laden_with(&self, twin: &Twin, which: impl Fn(&Candidate) -> bool) -> Robot {
         let mut mechanism = Mechanism::new(twin.laden());
         let fitted = self.causes.iter().filter(|t| !t.linear.is_empty() && which(&t.candidate));
         let mut causes: Vec<&Term> = fitted.collect();
@@ -195,7 +195,7 @@ fn signature(
         Scope::Joint => &model.laden,
         _ => {
             let place = term.candidate.order();
-            under = model.built(evidence.twin, |c| c.order() < place);
+            under = model.laden_with(evidence.twin, |c| c.order() < place);
             &under
         }
     };
@@ -267,5 +267,80 @@ impl<'a, 'e> Fit<'a, 'e> {
     pub fn values(&self, i: usize) -> Vec<f64> {
         let linear = &self.system.x.as_slice()[self.model.range(i)];
         linear.iter().chain(&self.model.causes[i].nonlinear).copied().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::testing::samples;
+
+    const GAIN: f64 = 0.2;
+    const COULOMB_NM: f64 = 6.0;
+    const LOAD_KG: f64 = 2.0;
+    const TILT_RAD: f64 = 0.1;
+
+    fn cause(name: &str, twin: &Twin, evidence: &Evidence<'_>) -> Term {
+        let candidate = Candidate { effect: find(name).unwrap(), place: Place::Arm };
+        let starts = candidate.starts(&evidence.motion(&twin.robot));
+        Term::new(candidate, starts[0].clone())
+    }
+
+    /// Torque of an arm that has a gain, a load and a tilt, all of which its twin lacks.
+    fn recorded(twin: &Twin) -> crate::signals::Samples {
+        let mut arm = twin.clone();
+        arm.effects.extend(["payload", "base_tilt", "torque_constant"].map(String::from));
+        for (name, value) in [
+            ("coulomb", COULOMB_NM),
+            ("viscous", 3.0),
+            ("payload_mass", LOAD_KG),
+            ("payload_moment_x", 0.0),
+            ("payload_moment_y", 0.0),
+            ("payload_moment_z", 0.1),
+            ("tilt_x", TILT_RAD),
+            ("tilt_y", 0.0),
+            ("torque_gain_error", GAIN),
+        ] {
+            let count = if name.starts_with("payload") || name.starts_with("tilt") { 1 } else { 6 };
+            arm.values.insert(name.into(), vec![value; count]);
+        }
+        let mut made = samples(6, 4000, |j, t| {
+            0.7 * (0.9 * t + j as f64).sin() + 0.3 * ((1.7 + 0.3 * j as f64) * t).sin()
+        });
+        made.torque = arm.torque(&arm.motion(&made));
+        made
+    }
+
+    /// A gain scales friction too, and a base tilts with its load: fitted together they come out as
+    /// they are, and so does the friction beside them.
+    #[test]
+    fn causes_that_depend_on_each_other_come_out_as_they_are() {
+        let twin = Twin::default();
+        let samples = recorded(&twin);
+        let floor = noise_floor(&samples, &twin);
+        let evidence = Evidence::new(&twin, &samples, &floor).unwrap();
+        let mut model = Model::of(&twin);
+        for name in ["payload", "base_tilt", "torque_constant"] {
+            model = model.with(cause(name, &twin, &evidence));
+        }
+        // References and dependences settle.
+        let mut fit = Fit::new(&evidence, model);
+        for _ in 0..8 {
+            let mut model = fit.model.clone();
+            for term in &mut model.causes {
+                let linear = term.linear.clone();
+                term.candidate.effect.settle(&linear, &mut term.nonlinear);
+            }
+            fit = Fit::new(&evidence, model);
+        }
+        let near = |found: f64, truth: f64| (found - truth).abs() < 0.01 * truth;
+        assert!(near(fit.values(0)[0], LOAD_KG), "{:?}", fit.values(0));
+        assert!(near(fit.values(1)[0], TILT_RAD), "{:?}", fit.values(1));
+        assert!(near(fit.values(2)[0], GAIN), "{:?}", fit.values(2));
+        let coulomb = fit.model.open.iter().filter(|t| t.candidate.name() == "coulomb");
+        for term in coulomb {
+            assert!(near(term.linear[0], COULOMB_NM), "{:?}", term);
+        }
     }
 }

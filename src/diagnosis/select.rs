@@ -1,7 +1,8 @@
 //! Which causes are added to the twin, one after the other.
 //!
 //! One is added if no surrogate gap is explained as well (or the second recording leaves no doubt),
-//! the second recording agrees, and no parameter is at a bound; then all that were added are seen together again (`revise`).
+//! the second recording agrees, and no parameter is at a bound; then all that were added are seen
+//! together again (`revise`).
 
 use std::sync::Arc;
 
@@ -95,7 +96,7 @@ impl<'a, 'e> Search<'a, 'e> {
     }
 
     /// Is there nothing but noise left where the arm moves?
-    pub fn is_quiet(&self, state: &State<'a, 'e>) -> bool {
+    fn is_quiet(&self, state: &State<'a, 'e>) -> bool {
         in_motion_band(self.check, &state.residual).iter().all(|ratio| *ratio < UNQUIET_BAND)
     }
 

@@ -71,3 +71,44 @@ impl Slopes {
         Self([slope(0, STEP_RAD), slope(1, STEP_RAD_S), slope(2, STEP_RAD_S2)])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{Workspace, builtin, mass_matrix};
+
+    /// How torque grows with a joint's acceleration is a column of the mass matrix, worked out by
+    /// the composite-rigid-body algorithm.
+    #[test]
+    fn a_slope_over_acceleration_is_a_column_of_the_mass_matrix() {
+        let robot = builtin("ur5").unwrap();
+        let series = |s: f64| {
+            let joint = |j: usize| (0..5).map(|k| (s * (k * 5 + j * 2 + 1) as f64).sin()).collect();
+            JointSeries::from_joints(&(0..6).map(joint).collect::<Vec<Vec<f64>>>())
+        };
+        let (q, qd, qdd) = (series(0.7), series(1.9), series(2.3));
+        let mut workspace = Workspace::new(&robot);
+        for joint in 0..6 {
+            let Slopes([_, _, slope]) = Slopes::new(&robot, [&q, &qd, &qdd], joint);
+            for k in 0..5 {
+                let at: Vec<f64> = (0..6).map(|j| q.joint(j)[k]).collect();
+                let m = mass_matrix(&robot, &mut workspace, &at);
+                for j in 0..6 {
+                    assert!((slope.joint(j)[k] - m[(j, joint)]).abs() < 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_kept_is_what_is_worked_out() {
+        let robot = builtin("ur5").unwrap();
+        let still = JointSeries::zeros(6, 3);
+        let motion = [&still, &still, &still];
+        let kept = Rigid::new(6);
+        assert_eq!(kept.torque(&robot, motion), &torque(&robot, motion));
+        assert!(std::ptr::eq(kept.torque(&robot, motion), kept.torque(&robot, motion)));
+        let slopes = kept.slopes(&robot, motion, 2);
+        assert_eq!(slopes.0, Slopes::new(&robot, motion, 2).0);
+    }
+}

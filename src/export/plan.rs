@@ -4,7 +4,7 @@ use std::fmt;
 
 use nalgebra::Vector3;
 
-use crate::effects::{About, Effect, Mechanism, Parameter, Role, Scope};
+use crate::effects::{About, Effect, Parameter, Role, Scope};
 use crate::robot::Robot;
 use crate::twin::Twin;
 
@@ -95,7 +95,8 @@ const PLACED: &[&str] = &[
 
 impl Plan {
     pub fn of(twin: &Twin) -> Self {
-        let mechanism = mechanism(twin);
+        // A payload is a body of its own.
+        let mechanism = twin.mechanism(|e| e.about().name != "payload");
         let value = |name: &str, joint: usize| -> f64 {
             let known = twin.known().any(|e| e.about().parameters.iter().any(|p| p.name == name));
             let values = twin.values.get(name).filter(|_| known);
@@ -127,23 +128,6 @@ impl Plan {
             left: left(twin),
         }
     }
-}
-
-/// The arm with what its effects build into it, but without payload.
-fn mechanism(twin: &Twin) -> Mechanism {
-    let dof = twin.robot.dof();
-    let replaced = twin.known().any(|e| e.about().name == "rotor_inertia");
-    let armature = if replaced { vec![0.0; dof] } else { twin.drive.rotor_inertia.clone() };
-    let mut mechanism = Mechanism::with_armature(twin.robot.clone(), armature);
-    for effect in twin.known().filter(|e| e.about().name != "payload") {
-        let joints = if effect.about().scope == Scope::Arm { 1 } else { dof };
-        for joint in 0..joints {
-            if let Some(values) = twin.values_at(effect, joint) {
-                effect.build(&values, joint, &mut mechanism);
-            }
-        }
-    }
-    mechanism
 }
 
 fn left(twin: &Twin) -> Vec<Left> {

@@ -28,7 +28,8 @@ impl Decimator {
         Self { response: response[first..=LONGEST + reach].to_vec(), reach }
     }
 
-    /// The filtered series at `rows`, its ends continued by odd reflection.
+    /// The filtered series at `rows` (indices of samples), one value each; its ends are continued by
+    /// odd reflection.
     pub fn at(&self, rows: &[usize], series: &[f64]) -> Vec<f64> {
         let n = series.len();
         let Some(last) = n.checked_sub(1) else { return Vec::new() };

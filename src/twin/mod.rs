@@ -56,10 +56,8 @@ impl Twin {
     /// What the drive must supply along a motion of `self.robot`, N.m.
     pub fn torque(&self, motion: &Motion<'_>) -> JointSeries {
         let mut tau = inverse_dynamics_series(&self.robot, motion.q, motion.qd, motion.qdd);
-        if !self.values.contains_key("rotor_inertia") {
-            for (joint, &inertia) in self.drive.rotor_inertia.iter().enumerate() {
-                add_scaled(tau.joint_mut(joint), inertia, motion.qdd.joint(joint));
-            }
+        for (joint, inertia) in self.armature().into_iter().enumerate() {
+            add_scaled(tau.joint_mut(joint), inertia, motion.qdd.joint(joint));
         }
         let laden = self.laden();
         let mut so_far = Mechanism::new(self.robot.clone());
@@ -108,10 +106,18 @@ impl Twin {
         self.mechanism(|_| true).robot
     }
 
-    /// The arm with all that is known and asked for by `which` built in, in the order of the
-    /// catalogue.
+    /// Of the drive, kg.m2 per joint; zero where the effect of that name stands in its place.
+    fn armature(&self) -> Vec<f64> {
+        match self.values.contains_key("rotor_inertia") {
+            true => vec![0.0; self.robot.dof()],
+            false => self.drive.rotor_inertia.clone(),
+        }
+    }
+
+    /// The arm with the drive's rotors and with all that is known and asked for by `which` built in,
+    /// in the order of the catalogue.
     pub fn mechanism(&self, which: impl Fn(&dyn Effect) -> bool) -> Mechanism {
-        let mut mechanism = Mechanism::new(self.robot.clone());
+        let mut mechanism = Mechanism::with_armature(self.robot.clone(), self.armature());
         let known = CATALOGUE.iter().copied().filter(|e| self.knows_of(*e));
         for effect in known.filter(|e| which(*e)) {
             self.build(effect, &mut mechanism);
@@ -119,13 +125,9 @@ impl Twin {
         mechanism
     }
 
-    /// Links and loads of an effect whose values are known.
+    /// What an effect whose values are known changes of the mechanism.
     fn build(&self, effect: &dyn Effect, mechanism: &mut Mechanism) {
-        let joints = match effect.about().scope {
-            Scope::Joint => return,
-            Scope::Link => self.robot.dof(),
-            Scope::Arm => 1,
-        };
+        let joints = if effect.about().scope == Scope::Arm { 1 } else { self.robot.dof() };
         for joint in 0..joints {
             if let Some(values) = self.values_at(effect, joint) {
                 effect.build(&values, joint, mechanism);
