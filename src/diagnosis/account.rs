@@ -5,18 +5,14 @@
 //! first load's rival in its place, and with link masses and centres free within what is known.
 
 use super::candidate::{Candidate, Extent};
-use super::leftover::{SYSTEMATIC, in_motion_band};
+use super::leftover::SYSTEMATIC;
 use super::model::Model;
-use super::rank::{Hypothesis, LEAST_NATS, State, beyond, describe, effective_shares, price};
+use super::rank::{Hypothesis, LEAST_NATS, State, beyond, describe, effective_shares};
 use super::revise::Standing;
 use super::select::{Round, Search};
 
 /// Of the better account's evidence: how much less another one may have and still compete.
 const COMPETES: f64 = 0.05;
-/// Standard deviations, root mean square, by which masses may be off and still be within what is
-/// known of them.
-const CREDIBLE: f64 = 2.0;
-
 /// Rounds of giving every cause the name that fits best among the others.
 const RENAMINGS: usize = 3;
 
@@ -40,32 +36,16 @@ impl<'a, 'e> Account<'a, 'e> {
         self.standings.iter().map(Standing::cause).collect()
     }
 
-    fn names(&self) -> String {
+    pub fn names(&self) -> String {
         let causes = self.last.fit.model.causes.iter();
         let names: Vec<String> = causes.map(|t| describe(t.candidate)).collect();
         if names.is_empty() { "nothing".into() } else { names.join(", ") }
     }
 
     /// What is left on the check recording where the arm moves, at the worst joint.
-    fn worst(&self, search: &Search<'a, 'e>) -> f64 {
-        in_motion_band(search.check, &self.last.residual).into_iter().fold(1.0, f64::max)
-    }
-
-    /// Log-likelihood gained on both recordings less the price of all causes, nats, where `share`
-    /// of the samples count, joint by joint.
-    fn score(&self, search: &Search<'a, 'e>, share: &[f64]) -> f64 {
-        let gains = search.gains(&self.start, &self.last.fit, &self.last.residual, share);
-        let prices = (0..self.last.fit.model.causes.len()).map(|i| price(&self.last.fit, i));
-        gains.iter().sum::<f64>() - prices.sum::<f64>()
-    }
-
-    /// By how many of its standard deviations a mass or moment is off, root mean square.
-    fn off_by(&self) -> f64 {
-        let fit = &self.last.fit;
-        let known = fit.model.priors().into_iter().zip(fit.system.x.iter());
-        let squares: Vec<f64> =
-            known.filter(|(s, _)| s.is_finite()).map(|(s, x)| (x / s).powi(2)).collect();
-        (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    pub fn worst(&self, search: &Search<'a, 'e>) -> f64 {
+        let levels = search.in_motion_band(&self.last.fit, &self.last.residual);
+        levels.into_iter().fold(1.0, f64::max)
     }
 }
 
@@ -97,17 +77,17 @@ impl<'a, 'e> Search<'a, 'e> {
     fn chosen(&self) -> Account<'a, 'e> {
         let (twin, settings) = (self.fit.twin, self.settings);
         let mut best = self.searched(Model::of(twin), false);
-        if best.worst(self) < SYSTEMATIC {
-            return best;
-        }
-        if let Some(other) = self.otherwise(&best) {
+        if best.worst(self) >= SYSTEMATIC
+            && let Some(other) = self.otherwise(&best)
+        {
             best = self.better(best, other);
         }
-        if settings.mass_error <= 0.0 {
-            return best;
+        match settings.mass_error > 0.0 && self.may_be_masses(&best) {
+            true => {
+                self.with_masses(best, self.searched(Model::of_uncertain(twin, settings), true))
+            }
+            false => best,
         }
-        let free = self.searched(Model::of_uncertain(twin, settings), true);
-        self.with_masses(best, free)
     }
 
     fn searched(&self, model: Model, uncertain: bool) -> Account<'a, 'e> {
@@ -141,7 +121,7 @@ impl<'a, 'e> Search<'a, 'e> {
     /// The one with the higher score; what the other says is noted.
     fn better(&self, one: Account<'a, 'e>, other: Account<'a, 'e>) -> Account<'a, 'e> {
         let share = effective_shares(&one.last.fit.system.residual);
-        let scores = [&one, &other].map(|a| a.score(self, &share));
+        let scores = [&one, &other].map(|a| self.evidence(&a.start, &a.last, &share));
         let (mut best, next, lead) = match scores[0] >= scores[1] {
             true => (one, other, scores[0] - scores[1]),
             false => (other, one, scores[1] - scores[0]),
@@ -153,48 +133,6 @@ impl<'a, 'e> Search<'a, 'e> {
             next.names()
         ));
         best
-    }
-
-    /// Free masses are the answer where they stay within what is known of them and predict the
-    /// second recording better, or as well with fewer causes.
-    fn with_masses(&self, exact: Account<'a, 'e>, free: Account<'a, 'e>) -> Account<'a, 'e> {
-        let off = free.off_by();
-        let credible = off <= CREDIBLE;
-        let [taken, names] = [&exact, &free].map(Account::names);
-        let lead = self.lead(&free, &exact);
-        let causes = |a: &Account<'a, 'e>| a.last.fit.model.causes.len();
-        let simpler = causes(&free) < causes(&exact) && lead > -LEAST_NATS;
-        if credible && (lead > LEAST_NATS || simpler) {
-            let mut best = free;
-            if taken != names {
-                best.notes.push(format!(
-                    "with link masses taken as they are the search finds {taken}: the verdict \
-                     depends on how well they are known"
-                ));
-            }
-            return best;
-        }
-        let mut best = exact;
-        if !credible {
-            best.notes.push(format!(
-                "with link masses free they come out {off:.0} standard deviations off (root mean \
-                 square): that is no uncertainty of masses but something missing"
-            ));
-        } else if taken != names {
-            best.notes.push(format!(
-                "with link masses fitted along the search finds {names}: the verdict depends on how \
-                 well they are known"
-            ));
-        }
-        best
-    }
-
-    /// Log-likelihood by which one account predicts the second recording better than another, nats:
-    /// more free parameters are no advantage there.
-    fn lead(&self, one: &Account<'a, 'e>, other: &Account<'a, 'e>) -> f64 {
-        let share = effective_shares(&one.last.fit.system.residual);
-        let [_, on_check] = self.gains(&other.last, &one.last.fit, &one.last.residual, &share);
-        on_check
     }
 
     /// Every cause of the model among its rivals, what takes most off the gap first. A single one

@@ -30,6 +30,14 @@ impl Blocks {
         }
     }
 
+    /// self += factor x other, where other has rows.
+    pub fn gather(&mut self, factor: f64, other: &Self) {
+        for (mine, theirs) in self.0.iter_mut().zip(&other.0).filter(|(_, t)| !t.is_empty()) {
+            mine.resize(theirs.len(), 0.0);
+            kernels::axpy(factor, theirs, mine);
+        }
+    }
+
     /// Sum of squares, joint by joint.
     pub fn squares(&self) -> Vec<f64> {
         self.0.iter().map(|rows| kernels::dot(rows, rows)).collect()

@@ -39,6 +39,7 @@ pub fn values(fit: &Fit<'_, '_>, check: &Evidence<'_>, left: &Blocks) -> Vec<Vec
         let parameters = candidate.effect.about().parameters.iter().zip(values).enumerate();
         let value = |(k, (p, value)): (usize, (&crate::effects::Parameter, f64))| {
             let half = places[i][k].map_or(0.0, |column| wide * variance(column).sqrt());
+            let half = half.max(resolution(fit, i, k));
             let near = 1e-3 * (p.max - p.min).min(1e6);
             Value {
                 name: p.name.into(),
@@ -51,9 +52,20 @@ pub fn values(fit: &Fit<'_, '_>, check: &Evidence<'_>, left: &Blocks) -> Vec<Vec
                     && (value <= p.min || value >= p.max - near),
             }
         };
-        parameters.map(value).collect()
+        let own = parameters.filter(|(_, (p, _))| !p.is_reference());
+        own.map(value).collect()
     };
     (0..fit.model.causes.len()).map(cause).collect()
+}
+
+/// Of parameter `k` of cause `i`: the end of a window of time lies between two samples.
+fn resolution(fit: &Fit<'_, '_>, i: usize, k: usize) -> f64 {
+    let term = &fit.model.causes[i];
+    let window = |n: usize| term.candidate.effect.bracket(&term.nonlinear, n).is_some();
+    match k.checked_sub(term.candidate.linear()).is_some_and(window) {
+        true => fit.evidence.samples.dt,
+        false => 0.0,
+    }
 }
 
 /// Column of each parameter, cause by cause; `None` where it was not searched.

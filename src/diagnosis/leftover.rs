@@ -7,6 +7,7 @@
 use rustfft::{FftPlanner, num_complex::Complex};
 
 use super::Leftover;
+use super::colour::Colour;
 use super::columns::Blocks;
 use super::evidence::Evidence;
 
@@ -68,14 +69,18 @@ pub struct Remains {
 }
 
 impl Remains {
-    pub fn new(evidence: &Evidence<'_>, before: &Blocks, after: &Blocks) -> Self {
+    pub fn new(evidence: &Evidence<'_>, before: &Blocks, after: &Blocks, noise: Colour) -> Self {
         let level = |(j, s): (usize, f64)| {
             let n = evidence.rows[j].len().max(1) as f64;
-            s / n / evidence.sigma[j].powi(2).max(f64::MIN_POSITIVE)
+            s / n / (noise.mean_square * evidence.sigma[j].powi(2)).max(f64::MIN_POSITIVE)
+        };
+        let in_band = |residual: &Blocks| {
+            let levels = in_motion_band(evidence, residual).into_iter();
+            levels.map(|level| level / noise.in_motion_band).collect()
         };
         Self {
-            before: in_motion_band(evidence, before),
-            after: in_motion_band(evidence, after),
+            before: in_band(before),
+            after: in_band(after),
             chi2_before: before.squares().into_iter().enumerate().map(level).collect(),
             chi2_per_sample: after.squares().into_iter().enumerate().map(level).collect(),
         }

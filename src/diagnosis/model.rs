@@ -6,11 +6,15 @@ use super::Settings;
 use super::candidate::{Candidate, Place, Term, sense, shown};
 use super::columns::Blocks;
 use super::evidence::Evidence;
+use super::rank::effective_shares;
 use super::system::System;
 use crate::effects::{Mechanism, Motion, Rigid, Role, Scope, find};
 use crate::robot::Robot;
 use crate::series::JointSeries;
 use crate::twin::Twin;
+
+/// Passes of fitting causes that depend on each other.
+const MOST_PASSES: usize = 4;
 
 /// What is fitted: the twin's open effects and the causes accepted so far.
 #[derive(Debug, Clone)]
@@ -65,6 +69,11 @@ impl Model {
             false => t.prior.clone(),
         };
         self.terms().flat_map(of_term).collect()
+    }
+
+    /// Is anything known of a parameter beforehand?
+    fn knows(&self) -> bool {
+        self.terms().any(|t| !t.prior.is_empty())
     }
 
     pub fn with(&self, cause: Term) -> Self {
@@ -218,11 +227,22 @@ pub struct Fit<'a, 'e> {
 }
 
 impl<'a, 'e> Fit<'a, 'e> {
-    /// Least squares; joints are weighted by what the model leaves of them, in two rounds. Twice
-    /// where one cause depends on the values of another.
+    /// Least squares; joints are weighted by what the model leaves of them, in two rounds. Again
+    /// where one cause depends on the values of another, until they agree: columns that belong to
+    /// other values predict another recording badly.
     pub fn new(evidence: &'a Evidence<'e>, model: Model) -> Self {
-        let fit = Self::once(evidence, model);
-        if fit.model.is_entangled() { Self::once(evidence, fit.model) } else { fit }
+        let mut fit = Self::once(evidence, model);
+        for _ in 0..MOST_PASSES {
+            if !fit.model.is_entangled() {
+                break;
+            }
+            let before = fit.system.x.clone();
+            fit = Self::once(evidence, fit.model);
+            if fit.system.is_near(&before) {
+                break;
+            }
+        }
+        fit
     }
 
     fn once(evidence: &'a Evidence<'e>, mut model: Model) -> Self {
@@ -230,7 +250,12 @@ impl<'a, 'e> Fit<'a, 'e> {
         let priors = model.priors();
         let weights = evidence.weights(&built.y.squares());
         let first = System::solve(built.columns.clone(), &built.y, weights, &priors);
-        let weights = evidence.weights(&first.residual.squares());
+        let mut weights = evidence.weights(&first.residual.squares());
+        if model.knows() {
+            // What is known beforehand counts against independent samples.
+            let shares = effective_shares(&first.residual);
+            weights.iter_mut().zip(shares).for_each(|(w, share)| *w *= share);
+        }
         let system = System::solve(first.columns, &built.y, weights, &priors);
         let modelled = built.modelled(evidence, &system.x);
         model.carry(evidence.twin, &system.x);

@@ -131,10 +131,17 @@ impl<'a, 'e> Search<'a, 'e> {
         [on_fit, gain(self.check, &from.residual.squares(), &residual.squares(), share)]
     }
 
+    /// Power in the motion's band over the noise, joint by joint, of what a fit leaves of both
+    /// recordings; on the second.
+    pub fn in_motion_band(&self, fit: &Fit, residual: &Blocks) -> Vec<f64> {
+        let noise = self.colours.of(&fit.system.residual, residual).in_motion_band;
+        in_motion_band(self.check, residual).into_iter().map(|level| level / noise).collect()
+    }
+
     /// Differences of score that count as none: a few nats where the best leaves nothing but noise,
     /// up to 1 % where it leaves more (its signature is not exact then).
     pub fn tolerance(&self, best: &Hypothesis) -> f64 {
-        let left = in_motion_band(self.check, &best.residual);
+        let left = self.in_motion_band(&best.fit, &best.residual);
         let touched = (0..left.len()).filter(|j| acts_on(best.trial.candidate, *j));
         let worst = touched.map(|j| left[j]).fold(1.0, f64::max);
         LEAST_NATS + INEXACT * best.score.max(0.0) * (worst - QUIET_BAND).clamp(0.0, 1.0)
@@ -192,23 +199,23 @@ pub fn effective_shares(residual: &Blocks) -> Vec<f64> {
     residual.0.iter().map(share).collect()
 }
 
-/// The first parameter of the last cause that sits at a bound: a linear one at the end of its
-/// range or held at zero by its sign where the effect is none without it, a nonlinear one at the
-/// end of its range unless a search starts there.
+/// The first parameter of the last cause that sits at a bound: the first of all where its linear
+/// ones do not make the effect that it is, a linear one at the end of its range, a nonlinear one at
+/// the end of its range unless a search starts there.
 fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
     let last = fit.model.causes.len() - 1;
     let candidate = fit.model.causes[last].candidate;
     let values = fit.values(last);
     let held = &fit.model.causes[last].held;
-    let several = held.iter().any(|h| !h);
+    let linear = &values[..held.len()];
+    if held.iter().any(|h| !h) && !candidate.effect.is_itself(linear) {
+        return candidate.effect.about().parameters.first().map(|p| p.name);
+    }
     let reached = |(i, (p, v)): (usize, (&crate::effects::Parameter, &f64))| {
         let near = 1e-3 * (p.max - p.min);
         let at_end = *v <= p.min + 1e-3 * p.min.abs() || *v >= p.max - near;
         let at = match p.role {
-            Role::Linear if held[i] => {
-                i == 0 && several && !candidate.effect.is_itself(&values[..held.len()])
-            }
-            Role::Linear => at_end && *v != p.null,
+            Role::Linear => !held[i] && at_end && *v != p.null,
             Role::Nonlinear => {
                 let k = i - candidate.linear();
                 trial.searched().contains(&k) && at_end && trial.starts.iter().all(|s| s[k] != *v)

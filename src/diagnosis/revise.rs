@@ -80,7 +80,7 @@ impl<'a, 'e> Search<'a, 'e> {
                 let now = search::tried(&others, &model.causes[i]);
                 let better = search::refine(&others, &now);
                 if better.gain > now.gain {
-                    gained = gained.max(better.gain - now.gain);
+                    gained = gained.max(better.ahead_of(&now));
                     model.causes[i] = better.term();
                 }
             }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::candidate::{Candidate, Term};
 use super::columns::Blocks;
 use super::model::{Fit, Model};
+use super::newton::descend;
 use crate::effects::{Parameter, Role};
 use crate::identification::{bounds::Bounds, brent};
 
@@ -20,6 +21,8 @@ const WORTH_ANOTHER: f64 = 0.003;
 const INCONSISTENT: f64 = 0.02;
 /// Values looked at between the ends of a bracket with several optima.
 const SCANNED: usize = 9;
+/// Of the distance between starts: a value that is closer to a start has hardly left it.
+const AWAY: f64 = 0.25;
 /// Of a refined parameter, relative to the bracket (of its logarithm where positive).
 const TOLERANCE: f64 = 0.01;
 /// Rounds of setting references from what was fitted.
@@ -44,6 +47,13 @@ impl Trial {
         let (candidate, nonlinear) = (self.candidate, self.nonlinear.clone());
         let (linear, searched) = (self.linear.clone(), self.searched());
         Term { linear, searched, held, ..Term::new(candidate, nonlinear) }
+    }
+
+    /// Log-likelihood it is ahead of other values of the same candidate, nats: gains are in units of
+    /// what there was before, of which the better one may leave little.
+    pub fn ahead_of(&self, other: &Self) -> f64 {
+        let left = (self.most - self.gain).max(f64::MIN_POSITIVE);
+        (self.gain - other.gain) * (self.most / left).max(1.0)
     }
 
     /// The nonlinear parameters that are searched: those that differ among the starts.
@@ -139,7 +149,7 @@ fn with_sensor(fit: &Fit, at: Trial) -> Trial {
 }
 
 /// The trial at other nonlinear parameters.
-fn evaluate(fit: &Fit, trial: &Trial, nonlinear: Vec<f64>) -> Trial {
+pub fn evaluate(fit: &Fit, trial: &Trial, nonlinear: Vec<f64>) -> Trial {
     let at = Trial { nonlinear, ..trial.clone() };
     match at.candidate.senses() {
         true => with_sensor(fit, at),
@@ -171,7 +181,7 @@ pub fn refine(fit: &Fit, start: &Trial) -> Trial {
             break;
         }
     }
-    best
+    settle(fit, descend(fit, best))
 }
 
 /// Is reference `i` close to the value it refers to?
@@ -182,7 +192,7 @@ fn is_consistent(trial: &Trial, i: usize) -> bool {
 }
 
 /// Is parameter `i` a reference that follows from the linear ones?
-fn settled(trial: &Trial, i: usize) -> bool {
+pub fn settled(trial: &Trial, i: usize) -> bool {
     let mut moved = trial.nonlinear.clone();
     let linear: Vec<f64> = trial.linear.iter().map(|v| 1.7 * v + 1e-3).collect();
     trial.candidate.effect.settle(&linear, &mut moved);
@@ -245,27 +255,30 @@ fn exchange(fit: &Fit, best: Trial, i: usize, k: usize) -> Trial {
     line(fit, best, i, [low, high], at)
 }
 
-/// The starts next to the value of nonlinear parameter `i`; beyond the last one as far as to the
-/// one before, within the range.
-fn neighbours(trial: &Trial, i: usize) -> [f64; 2] {
+/// The starts next to the value of nonlinear parameter `i`, other than one it hardly left; beyond
+/// the last one as far as to the one before, within the range.
+pub fn neighbours(trial: &Trial, i: usize) -> [f64; 2] {
     let parameter = &trial.candidate.effect.about().parameters[trial.candidate.linear() + i];
     let now = trial.nonlinear[i];
     if let Some(ends) = trial.candidate.effect.bracket(&trial.nonlinear, i) {
         return ends.map(|end| parameter.clamp(end));
     }
-    let others = || trial.starts.iter().map(|s| s[i]);
-    let below = others().filter(|v| *v < now).reduce(f64::max);
-    let above = others().filter(|v| *v > now).reduce(f64::min);
-    let mirrored =
-        |other: f64| if parameter.min > 0.0 { now * now / other } else { 2.0 * now - other };
-    let end = |other: Option<f64>, end: f64| match other {
-        Some(other) => parameter.clamp(mirrored(other)),
-        None => end,
+    // Evenly spaced in ratio or difference.
+    let by_ratio = parameter.min > 0.0;
+    let scale = |x: f64| if by_ratio { x.ln() } else { x };
+    let mut starts: Vec<f64> = trial.starts.iter().map(|s| scale(s[i])).collect();
+    starts.sort_by(f64::total_cmp);
+    let gaps = starts.windows(2).map(|w| w[1] - w[0]).filter(|gap| *gap > 0.0);
+    let (now, away) = (scale(now), AWAY * gaps.fold(f64::INFINITY, f64::min));
+    let below = starts.iter().rfind(|s| **s < now - away);
+    let above = starts.iter().find(|s| **s > now + away);
+    let [low, high] = match (below, above) {
+        (Some(below), Some(above)) => [*below, *above],
+        (Some(below), None) => [*below, 2.0 * now - below],
+        (None, Some(above)) => [2.0 * now - above, *above],
+        (None, None) => return [parameter.min, parameter.max],
     };
-    [
-        below.unwrap_or_else(|| end(above, parameter.min)),
-        above.unwrap_or_else(|| end(below, parameter.max)),
-    ]
+    [low, high].map(|end| parameter.clamp(if by_ratio { end.exp() } else { end }))
 }
 
 /// The best trial on a line through the nonlinear parameters, between two ends.

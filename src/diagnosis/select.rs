@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use super::candidate::{Candidate, Extent};
 use super::chance::Chance;
+use super::colour::Colours;
 use super::evidence::Evidence;
-use super::leftover::in_motion_band;
 use super::model::Model;
 use super::rank::{Hypothesis, LEAST_NATS, State, acts_on, beyond, describe};
 use super::search::{self, Trial};
@@ -59,6 +59,7 @@ pub struct Search<'a, 'e> {
     pub check: &'a Evidence<'e>,
     pub settings: &'a Settings,
     pub candidates: Vec<Candidate>,
+    pub colours: &'a Colours<'a, 'e>,
 }
 
 impl Round<'_, '_> {
@@ -97,7 +98,7 @@ impl<'a, 'e> Search<'a, 'e> {
 
     /// Is there nothing but noise left where the arm moves?
     fn is_quiet(&self, state: &State<'a, 'e>) -> bool {
-        in_motion_band(self.check, &state.residual).iter().all(|ratio| *ratio < UNQUIET_BAND)
+        self.in_motion_band(&state.fit, &state.residual).iter().all(|ratio| *ratio < UNQUIET_BAND)
     }
 
     fn round(&self, state: &State<'a, 'e>) -> Round<'a, 'e> {
@@ -114,7 +115,7 @@ impl<'a, 'e> Search<'a, 'e> {
             let same = |t: &Trial| t.candidate == h.trial.candidate;
             screened.iter().position(same).map_or(1.0, |i| chance.p(i))
         };
-        let in_motion_band = in_motion_band(self.check, &state.residual);
+        let in_motion_band = self.in_motion_band(&state.fit, &state.residual);
         let best = ranked.iter().find(|h| h.at_bound.is_none());
         let tolerance = best.map_or(LEAST_NATS, |best| self.tolerance(best));
         let (accepted, declined) = self.decide(state, &ranked, tolerance, &in_motion_band, &p);

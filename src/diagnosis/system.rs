@@ -80,6 +80,40 @@ impl System {
         }
     }
 
+    /// What parameters with a finite prior cost, nats: how far they are from zero by it, and how much
+    /// the data narrow them,
+    /// 1/2 sum (x/s)^2 + 1/2 ln det(I + S G S), G the information on them given the others.
+    pub fn cost_of_known(&self, priors: &[f64]) -> f64 {
+        let (known, free): (Vec<usize>, Vec<usize>) =
+            (0..priors.len()).partition(|&i| priors[i].is_finite());
+        if known.is_empty() {
+            return 0.0;
+        }
+        let information = |rows: &[usize], columns: &[usize], scale: &dyn Fn(usize) -> f64| {
+            DMatrix::from_fn(rows.len(), columns.len(), |i, k| {
+                let (i, k) = (rows[i], columns[k]);
+                let (a, b) = (&self.columns[i], &self.columns[k]);
+                scale(i) * scale(k) * weighted_dot(a, b, &self.weights)
+            })
+        };
+        let scale = |i: usize| if priors[i].is_finite() { priors[i] } else { 1.0 / self.scale[i] };
+        let own = information(&known, &known, &scale);
+        let cross = information(&free, &known, &scale);
+        let others =
+            information(&free, &free, &scale) + DMatrix::identity(free.len(), free.len()) * RIDGE;
+        let through = Cholesky::new(others).map(|f| cross.transpose() * f.solve(&cross));
+        let given = own - through.unwrap_or_else(|| DMatrix::zeros(known.len(), known.len()));
+        let narrowed = Cholesky::new(given + DMatrix::identity(known.len(), known.len()));
+        let distance: f64 = known.iter().map(|&i| (self.x[i] / priors[i]).powi(2)).sum();
+        0.5 * (distance + narrowed.map_or(0.0, |f| f.ln_determinant()))
+    }
+
+    /// Do other values differ from these by no more than a tenth of a standard deviation?
+    pub fn is_near(&self, other: &DVector<f64>) -> bool {
+        let near = |i: usize| (self.x[i] - other[i]).powi(2) <= 0.01 * self.variance(i);
+        self.x.len() == other.len() && (0..self.x.len()).all(near)
+    }
+
     /// Of parameter `i`, given the weights.
     pub fn variance(&self, i: usize) -> f64 {
         let mut unit = DVector::zeros(self.columns.len());

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::account::Account;
 use super::candidate::Place;
+use super::colour::{Colour, WHITE_NOISE};
 use super::columns::Blocks;
 use super::episodes::{Episode, episodes};
 use super::evidence::Evidence;
@@ -39,6 +40,7 @@ pub struct Findings<'a, 'e> {
     pub search: &'a Search<'a, 'e>,
     pub account: Account<'a, 'e>,
     pub floor: Vec<Floor>,
+    noise: Colour,
     /// Recorded velocities that lag.
     lagging: Option<Lagging>,
 }
@@ -46,7 +48,11 @@ pub struct Findings<'a, 'e> {
 impl<'a, 'e> Findings<'a, 'e> {
     pub fn new(search: &'a Search<'a, 'e>, floor: &[Floor]) -> Self {
         let lagging = kinematics::lagging(search.fit, search.check, search.settings);
-        Self { search, account: search.account(), floor: floor.to_vec(), lagging }
+        let account = search.account();
+        let left = &account.last;
+        let noise = search.colours.of(&left.fit.system.residual, &left.residual);
+        let floor = floor.iter().map(|f| f.with(noise)).collect();
+        Self { search, account, floor, noise, lagging }
     }
 
     fn settings(&self) -> &Settings {
@@ -78,6 +84,7 @@ impl<'a, 'e> Findings<'a, 'e> {
             self.search.check,
             &self.account.start.residual,
             &self.account.last.residual,
+            self.noise,
         );
         let unknown = match accepted.is_empty() {
             true => probability::of_something(&remains),
@@ -97,6 +104,7 @@ impl<'a, 'e> Findings<'a, 'e> {
             self.search.check,
             &self.account.start.residual,
             &self.account.start.residual,
+            self.noise,
         );
         let left = leftover(if named { &remains } else { &start });
         Diagnosis {
@@ -303,6 +311,14 @@ impl<'a, 'e> Findings<'a, 'e> {
         notes.extend(self.account.notes.iter().cloned());
         if let Some(why) = self.account.rounds.last().and_then(|r| r.declined.as_ref()) {
             notes.push(format!("the search ended because {why}"));
+        }
+        if self.noise != WHITE_NOISE {
+            notes.push(format!(
+                "noise is coloured: where the arm moves its power is {:.0} times that where nothing \
+                 moves even at the quietest joint, and nothing of that can be predicted from the \
+                 motion",
+                self.noise.in_motion_band
+            ));
         }
         if !remains.is_exact() {
             notes.push(format!(

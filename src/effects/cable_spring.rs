@@ -60,6 +60,9 @@ static ABOUT: About = About {
     source: "hysteresis after Dahl, Aerospace Corp. TOR-0158(3107-18), 1968; spring in series with nothing",
 };
 
+/// Of the hysteresis, 1/rad.
+const LEAST_STIFFNESS: f64 = 0.1;
+
 impl Effect for CableSpring {
     fn about(&self) -> &'static About {
         &ABOUT
@@ -76,6 +79,11 @@ impl Effect for CableSpring {
         let q = motion.q.joint(joint);
         let spring = q.iter().map(|q| q - nonlinear[0]).collect();
         vec![spring, along(q, |z, dq| dahl(z, dq, nonlinear[1]))]
+    }
+
+    /// A spring first of all: hysteresis over the angle without one is friction that creeps.
+    fn is_itself(&self, linear: &[f64]) -> bool {
+        linear[0] > 0.0 && linear[0] >= LEAST_STIFFNESS * linear[1]
     }
 
     fn act(&self, values: &[f64], state: &JointState<'_>, z: &mut [f64], load: &mut JointLoad) {

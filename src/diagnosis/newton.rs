@@ -1,0 +1,81 @@
+//! All parameters of a trial moved at once.
+//!
+//! Refining one nonlinear parameter after the other stops short where several make up for each
+//! other (a slip angle for a hysteresis for a stiffness). Steps of Gauss and Newton do not: linear
+//! parameters are solved for together with small changes of the nonlinear ones, whose columns are
+//! their slopes (Golub, Pereyra, "Separable nonlinear least squares", Inverse Problems 19, 2003).
+
+use super::columns::Blocks;
+use super::model::Fit;
+use super::search::{Trial, evaluate, linear_bounds, neighbours, settled};
+use crate::identification::bounds::Bounds;
+
+const STEPS: usize = 6;
+/// Gains that are worth another step, nats.
+const SETTLED: f64 = 0.1;
+/// Of a step, tried one after the other until one gains.
+const SHARES: [f64; 3] = [1.0, 0.5, 0.2];
+/// Of the way to the neighbouring starts: the difference that gives a slope.
+const DIFFERENCE: f64 = 1e-3;
+
+/// The trial where no step gains any more, within its neighbouring starts.
+pub fn descend(fit: &Fit, mut best: Trial) -> Trial {
+    let free: Vec<usize> = best.searched().into_iter().filter(|&i| !settled(&best, i)).collect();
+    if free.is_empty() || best.candidate.senses() {
+        return best;
+    }
+    for _ in 0..STEPS {
+        let Some(next) = step(fit, &best, &free) else { break };
+        let gained = next.ahead_of(&best);
+        best = next;
+        if gained < SETTLED {
+            break;
+        }
+    }
+    best
+}
+
+fn step(fit: &Fit, best: &Trial, free: &[usize]) -> Option<Trial> {
+    let ends: Vec<[f64; 2]> = free.iter().map(|&i| neighbours(best, i)).collect();
+    let mut columns = fit.columns(best.candidate, &best.nonlinear);
+    columns.extend(free.iter().zip(&ends).map(|(&i, ends)| slope(fit, best, i, *ends)));
+    let projected = fit.system.project(&columns);
+    let (x, _) = projected.solve(&projected.pull, &bounds(best, free, &ends)?);
+    let change = &x.as_slice()[best.linear.len()..];
+    let moved = |share: f64| {
+        let mut nonlinear = best.nonlinear.clone();
+        free.iter().zip(change).for_each(|(&i, dx)| nonlinear[i] += share * dx);
+        evaluate(fit, best, nonlinear)
+    };
+    SHARES.into_iter().map(moved).find(|t| t.gain > best.gain)
+}
+
+/// d torque / d nonlinear parameter `i` at the trial's linear parameters, N.m per unit.
+fn slope(fit: &Fit, best: &Trial, i: usize, [below, above]: [f64; 2]) -> Blocks {
+    let step = DIFFERENCE * (above - below);
+    let at = |value: f64| {
+        let mut nonlinear = best.nonlinear.clone();
+        nonlinear[i] = value;
+        fit.columns(best.candidate, &nonlinear)
+    };
+    let (low, high) = (best.nonlinear[i] - step, best.nonlinear[i] + step);
+    let (low, high) = (low.max(below), high.min(above));
+    let per_unit = 1.0 / (high - low).max(f64::MIN_POSITIVE);
+    let mut sum = Blocks(fit.squares.iter().map(|_| Vec::new()).collect());
+    for (columns, sign) in [(at(high), per_unit), (at(low), -per_unit)] {
+        for (column, c) in columns.iter().zip(&best.linear) {
+            sum.gather(sign * c, column);
+        }
+    }
+    sum
+}
+
+/// Of the linear parameters, and of the changes of the nonlinear ones.
+fn bounds(best: &Trial, free: &[usize], ends: &[[f64; 2]]) -> Option<Bounds> {
+    let linear = linear_bounds(best.candidate);
+    let own = 0..best.linear.len();
+    let change = |end: usize| free.iter().zip(ends).map(move |(&i, e)| e[end] - best.nonlinear[i]);
+    let lower = own.clone().map(|i| linear.lower(i)).chain(change(0)).collect();
+    let upper = own.map(|i| linear.upper(i)).chain(change(1)).collect();
+    Bounds::new(lower, upper).ok()
+}
