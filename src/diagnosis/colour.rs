@@ -119,3 +119,80 @@ impl Learner {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+    use crate::diagnosis::floor::{Floor, FloorFrom};
+    use crate::diagnosis::testing::samples;
+    use crate::signals::Samples;
+    use crate::twin::Twin;
+
+    const POLE: f64 = 0.9;
+
+    fn moving(rate: f64) -> Samples {
+        samples(6, 4000, |j, t| {
+            0.7 * (rate * t + j as f64).sin() + 0.2 * ((2.1 * rate + 0.2 * j as f64) * t).sin()
+        })
+    }
+
+    /// Half white, half correlated from sample to sample, and `more` of its own for every row.
+    fn left(evidence: &Evidence<'_>, seed: u64, more: impl Fn(usize, usize) -> f64) -> Blocks {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+        let mut joint = |j: usize| {
+            let mut slow = 0.0;
+            let all = (0..evidence.samples.len()).map(|k| {
+                slow = POLE * slow + (1.0 - POLE * POLE).sqrt() * draw();
+                0.5f64.sqrt() * (slow + draw()) + more(j, k)
+            });
+            let all: Vec<f64> = all.collect();
+            evidence.block(j, &all)
+        };
+        Blocks((0..6).map(&mut joint).collect())
+    }
+
+    /// What is found on two motions where the arm's torque holds noise and `more`.
+    fn found(more: impl Fn(&Samples, usize, usize) -> f64) -> Colour {
+        let twin = Twin::default();
+        let (fit, check) = (moving(0.9), moving(1.1));
+        let floor = vec![Floor { noise_nm: 0.25, from: FloorFrom::Estimate }; 6];
+        let evidence = |samples| Evidence::new(&twin, samples, &floor).unwrap();
+        let (fit, check) = (evidence(&fit), evidence(&check));
+        let [on_fit, on_check] =
+            [(&fit, 1), (&check, 2)].map(|(e, seed)| left(e, seed, |j, k| more(e.samples, j, k)));
+        Colours::new(&fit, &check).of(&on_fit, &on_check)
+    }
+
+    #[test]
+    fn noise_that_no_motion_predicts_has_a_colour() {
+        let colour = found(|_, _, _| 0.0);
+        assert!(colour.in_motion_band > 2.0, "{colour:?}");
+        assert!(colour.mean_square > 1.2, "{colour:?}");
+    }
+
+    /// Friction that changes along the travel at every joint: no catalogue holds it, yet it is no
+    /// noise.
+    #[test]
+    fn what_the_motion_makes_is_no_noise() {
+        let rubs = |s: &Samples, j: usize, k: usize| {
+            let (q, qd) = (s.q.joint(j)[k], s.qd.joint(j)[k]);
+            if q > 0.2 { 2.0 * qd.signum() } else { 0.0 }
+        };
+        assert_eq!(found(rubs), WHITE_NOISE);
+    }
+
+    /// One joint that hums does not change what the others show noise to be.
+    #[test]
+    fn a_hum_at_one_joint_is_not_taken_for_noise() {
+        let hums = |s: &Samples, j: usize, k: usize| {
+            if j == 2 { 5.0 * (9.0 * s.time(k)).sin() } else { 0.0 }
+        };
+        let [still, humming] = [found(|_, _, _| 0.0), found(hums)];
+        assert!((humming.in_motion_band / still.in_motion_band - 1.0).abs() < 0.3, "{humming:?}");
+    }
+}

@@ -80,3 +80,91 @@ fn off_by(account: &Account<'_, '_>) -> f64 {
         known.filter(|(s, _)| s.is_finite()).map(|(s, x)| (x / s).powi(2)).collect();
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+    use crate::diagnosis::Settings;
+    use crate::diagnosis::candidate::candidates;
+    use crate::diagnosis::colour::Colours;
+    use crate::diagnosis::evidence::Evidence;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::testing::samples;
+    use crate::signals::Samples;
+    use crate::twin::Twin;
+
+    const TRIED: [&str; 3] = ["link_inertia", "payload", "current_offset"];
+    const NOISE_NM: f64 = 0.3;
+
+    /// What an arm with these links (and what it carries) records, as seen by the default twin.
+    fn recorded(arm: &Twin, seed: u64) -> Samples {
+        let rate = 0.9 + 0.1 * seed as f64;
+        let mut made = samples(6, 3000, |j, t| {
+            0.7 * (rate * t + j as f64).sin() + 0.3 * ((1.7 + 0.3 * j as f64) * rate * t).sin()
+        });
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let torque = arm.torque(&arm.motion(&made));
+        made.torque = torque.map_joints(|_, torque| {
+            let noisy = torque.iter().map(|t| {
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                t + NOISE_NM * noise
+            });
+            noisy.collect()
+        });
+        made
+    }
+
+    /// Names of the causes that are found for an arm, and whether masses are fitted along.
+    fn found(arm: &Twin) -> (Vec<String>, bool) {
+        let twin = Twin::default();
+        let made = [recorded(arm, 1), recorded(arm, 2)];
+        let floors = [0, 1].map(|i| noise_floor(&made[i], &twin));
+        let [fit, check] = [0, 1].map(|i| Evidence::new(&twin, &made[i], &floors[i]).unwrap());
+        let settings = Settings { surrogates: 9, ..Settings::default() };
+        let mut candidates = candidates(&twin, &[]);
+        candidates.retain(|c| TRIED.contains(&c.name()));
+        let colours = Colours::new(&fit, &check);
+        let (fit, check) = (&fit, &check);
+        let search = Search { fit, check, settings: &settings, candidates, colours: &colours };
+        let account = search.account();
+        let causes = account.last.fit.model.causes.iter();
+        (causes.map(|t| t.candidate.name().to_string()).collect(), account.uncertain)
+    }
+
+    fn with_friction(mut arm: Twin) -> Twin {
+        arm.values.insert("coulomb".into(), vec![4.0; 6]);
+        arm.values.insert("viscous".into(), vec![3.0; 6]);
+        arm
+    }
+
+    #[test]
+    fn masses_all_a_little_off_are_no_cause() {
+        let mut arm = with_friction(Twin::default());
+        for (j, body) in arm.robot.bodies.iter_mut().enumerate() {
+            body.inertia.mass *= 1.0 + if j % 2 == 0 { 0.05 } else { -0.04 };
+        }
+        let (causes, free) = found(&arm);
+        assert!(causes.is_empty() && free, "{causes:?} {free}");
+    }
+
+    #[test]
+    fn one_link_that_is_off_and_a_load_are_causes_where_all_else_is_exact() {
+        let mut arm = with_friction(Twin::default());
+        arm.robot.bodies[2].inertia.mass *= 1.3;
+        let (causes, free) = found(&arm);
+        assert!(causes == ["link_inertia"] && !free, "{causes:?} {free}");
+        let mut arm = with_friction(Twin::default());
+        arm.effects.push("payload".into());
+        for (name, value) in
+            [("mass", 1.5), ("moment_x", 0.0), ("moment_y", 0.0), ("moment_z", 0.1)]
+        {
+            arm.values.insert(format!("payload_{name}"), vec![value]);
+        }
+        let (causes, _) = found(&arm);
+        assert_eq!(causes, ["payload"]);
+    }
+}

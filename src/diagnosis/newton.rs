@@ -79,3 +79,65 @@ fn bounds(best: &Trial, free: &[usize], ends: &[[f64; 2]]) -> Option<Bounds> {
     let upper = own.map(|i| linear.upper(i)).chain(change(1)).collect();
     Bounds::new(lower, upper).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::candidate::{Candidate, Place};
+    use crate::diagnosis::evidence::Evidence;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::model::Model;
+    use crate::diagnosis::search::{refine, screen};
+    use crate::diagnosis::testing::samples;
+    use crate::effects::find;
+    use crate::twin::Twin;
+
+    /// Stiffness, hysteresis, rest angle and slip angle of a cable make up for each other.
+    const CABLE: [f64; 4] = [0.7, 0.08, 0.69, 0.28];
+    const JOINT: usize = 3;
+
+    #[test]
+    fn parameters_that_make_up_for_each_other_are_found_together() {
+        let twin = Twin::default();
+        let mut made = samples(6, 4000, |j, t| {
+            0.6 * (0.9 * t + j as f64).sin() + 0.3 * ((1.7 + 0.3 * j as f64) * t).sin()
+        });
+        let cable = find("cable_spring").unwrap();
+        let motion = twin.motion(&made);
+        let columns = cable.columns(&motion, JOINT, &CABLE[2..]);
+        let mut torque = twin.torque(&motion);
+        for (column, value) in columns.iter().zip(CABLE) {
+            torque.joint_mut(JOINT).iter_mut().zip(column).for_each(|(t, c)| *t += value * c);
+        }
+        made.torque = torque;
+        let floor = noise_floor(&made, &twin);
+        let evidence = Evidence::new(&twin, &made, &floor).unwrap();
+        let fit = Fit::new(&evidence, Model::of(&twin));
+        let candidate = Candidate { effect: cable, place: Place::Joint(JOINT) };
+        let (start, _) = screen(&fit, &[candidate], &[]).remove(0);
+        let found = refine(&fit, &start);
+        let values = found.linear.iter().chain(&found.nonlinear);
+        for (value, truth) in values.zip(CABLE) {
+            assert!((value / truth - 1.0).abs() < 0.01, "{:?} {:?}", found.linear, found.nonlinear);
+        }
+    }
+
+    /// A value that hardly left a start is not caught between that start and its mirror image.
+    #[test]
+    fn a_value_beside_a_start_still_has_room() {
+        let twin = Twin::default();
+        let made = samples(6, 2000, |j, t| 0.6 * (0.9 * t + j as f64).sin());
+        let floor = noise_floor(&made, &twin);
+        let evidence = Evidence::new(&twin, &made, &floor).unwrap();
+        let fit = Fit::new(&evidence, Model::of(&twin));
+        let stribeck = find("stribeck").unwrap();
+        let candidate = Candidate { effect: stribeck, place: Place::Joint(0) };
+        let (mut trial, _) = screen(&fit, &[candidate], &[]).remove(0);
+        let first = trial.starts.iter().map(|s| s[0]).fold(f64::INFINITY, f64::min);
+        for factor in [1.0, 1.0 - 1e-9, 1.0 + 1e-9] {
+            trial.nonlinear[0] = first * factor;
+            let [below, above] = neighbours(&trial, 0);
+            assert!(below < 0.9 * first && above > 1.1 * first, "{below} {first} {above}");
+        }
+    }
+}
