@@ -71,6 +71,10 @@ impl<'a, 'e> Search<'a, 'e> {
             let Some(model) = renamed(&account.standings) else { break };
             account.last = self.state(model);
         }
+        // What is told is what a mended twin can hold.
+        while let Some(model) = account.last.fit.without_pushing() {
+            account.last = self.state(model);
+        }
         account
     }
 

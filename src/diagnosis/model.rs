@@ -288,6 +288,24 @@ impl<'a, 'e> Fit<'a, 'e> {
         residual
     }
 
+    /// The model with the twin's own friction held at zero where this fit has it push; `None` where
+    /// it nowhere does.
+    pub fn without_pushing(&self) -> Option<Model> {
+        let mut model = self.model.clone();
+        let (mut index, mut pushed) = (0, false);
+        for term in &mut model.open {
+            let parameters = term.candidate.effect.about().parameters.iter();
+            let linear = parameters.filter(|p| p.role == Role::Linear);
+            for (p, held) in linear.zip(&mut term.held) {
+                let pushes = term.prior.is_empty() && p.min >= 0.0 && self.system.x[index] < p.min;
+                pushed |= pushes && !*held;
+                *held |= pushes;
+                index += 1;
+            }
+        }
+        pushed.then_some(model)
+    }
+
     /// Values of cause `i`: linear, then nonlinear.
     pub fn values(&self, i: usize) -> Vec<f64> {
         let linear = &self.system.x.as_slice()[self.model.range(i)];
@@ -335,6 +353,21 @@ mod tests {
         });
         made.torque = arm.torque(&arm.motion(&made));
         made
+    }
+
+    #[test]
+    fn friction_that_would_push_is_held_at_zero() {
+        let twin = Twin::default();
+        let mut made = recorded(&twin);
+        let push = made.qd.joint(2).iter().map(|qd| -20.0 * qd.signum()).collect::<Vec<f64>>();
+        made.torque.joint_mut(2).iter_mut().zip(push).for_each(|(t, p)| *t += p);
+        let floor = noise_floor(&made, &twin);
+        let evidence = Evidence::new(&twin, &made, &floor).unwrap();
+        let fit = Fit::new(&evidence, Model::of(&twin));
+        assert!(fit.system.x.iter().any(|x| *x < -1.0), "{:?}", fit.system.x);
+        let held = Fit::new(&evidence, fit.without_pushing().unwrap());
+        assert!(held.system.x.iter().all(|x| *x >= 0.0), "{:?}", held.system.x);
+        assert!(held.without_pushing().is_none());
     }
 
     /// A gain scales friction too, and a base tilts with its load: fitted together they come out as
