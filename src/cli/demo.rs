@@ -63,7 +63,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         scenario.rate_hz,
         scenario.noise.snr_db.unwrap_or(f64::INFINITY)
     );
-    let [fit, check] = simulate::simulate(&made)?;
+    let ([fit, check], _) = simulate::simulate(&made, None)?;
     let truth = Truth::new(&scenario, &made, &fit, &check);
     simulate::write(&args.out, &fit, &check, &truth)
         .with_context(|| format!("cannot write into {}", args.out.display()))?;

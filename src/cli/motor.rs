@@ -2,13 +2,13 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use super::interrupt;
 use crate::files::write_whole;
 use crate::motor::dependence::dependence;
 use crate::motor::fit::Tick;
@@ -114,8 +114,7 @@ fn top_speed(scenario: &Scenario, seed: u64) -> anyhow::Result<f64> {
 }
 
 fn run_studies(scenarios: &[Scenario], args: &Args) -> anyhow::Result<()> {
-    static STOP: AtomicBool = AtomicBool::new(false);
-    ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed))?;
+    let stop = interrupt::flag()?;
     let bar = ProgressBar::new((scenarios.len() * (args.seeds + args.pso_seeds)) as u64);
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} noises, {eta} left") {
         bar.set_style(style);
@@ -125,7 +124,7 @@ fn run_studies(scenarios: &[Scenario], args: &Args) -> anyhow::Result<()> {
     for scenario in scenarios {
         for (method, seeds) in [(Method::Nlse, args.seeds), (Method::Pso, args.pso_seeds)] {
             if seeds > 0 {
-                studies.push(study(scenario, method, args.seed, seeds, &STOP, tick)?);
+                studies.push(study(scenario, method, args.seed, seeds, &stop, tick)?);
             }
         }
     }

@@ -5,7 +5,6 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// A bar over simulated milliseconds.
-#[cfg(feature = "viewer")]
 pub fn simulating(seconds: f64) -> ProgressBar {
     let style = ProgressStyle::with_template("simulating {wide_bar} {percent} %, {eta} left");
     ProgressBar::new((1000.0 * seconds) as u64)

@@ -2,12 +2,12 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 use anyhow::{Context, bail};
-use indicatif::{ProgressBar, ProgressStyle};
 
+use super::stream::{Deliveries, Link, StreamArgs};
+use super::{interrupt, progress};
 use crate::files::write_whole;
 use crate::recording::{self, WriteOptions};
 use crate::simulation::{Command, Experiment, Run, Scenario, Simulation, Truth};
@@ -19,7 +19,12 @@ use crate::simulation::{Command, Experiment, Run, Scenario, Simulation, Truth};
 Writes friction/fit.csv and friction/check.csv (RTDE names, two different motions, the same hidden
 effects; other formats by --format) and friction/truth.json (every effect and value, noise, settings, versions). The folder is
 made if need be; files of these three names in it are replaced, others left alone. Nothing is
-written before all of it is simulated. The same scenario and seed give the same bytes.")]
+written before all of it is simulated. The same scenario and seed give the same bytes.
+
+  armtwin simulate scenarios/ur5_friction.toml --out friction --stream
+
+shows the arm, its torques and its tracking errors in a viewer that is open (rerun), as they are
+simulated.")]
 pub struct Args {
     /// What to simulate (TOML; copy one from scenarios/)
     scenario: PathBuf,
@@ -35,6 +40,8 @@ pub struct Args {
     /// Length of both motions in seconds, in place of the scenario's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
+    #[command(flatten)]
+    live: StreamArgs,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -72,7 +79,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let file = args.scenario.display().to_string();
     let made = scenario.work_out(&file)?;
-    let [fit, check] = simulate(&made).with_context(|| file)?;
+    let link = args.live.open()?;
+    let ([fit, check], sent) = simulate(&made, link.as_ref()).with_context(|| file)?;
     let truth = Truth::new(&scenario, &made, &fit, &check);
     write_as(args.format, &args.out, &fit, &check, &truth)
         .with_context(|| format!("cannot write into {}", args.out.display()))?;
@@ -80,38 +88,38 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let out = args.out.display();
     let e = args.format.extension();
     println!("{out}: fit.{e} ({fit} samples), check.{e} ({check} samples), truth.json");
-    Ok(())
+    sent.end(link)
 }
 
-pub(super) fn simulate(made: &Experiment) -> anyhow::Result<[Run; 2]> {
-    let stop = stop_on_interrupt()?;
+/// Both recordings, shown through `link` while they are made.
+pub(super) fn simulate(
+    made: &Experiment,
+    link: Option<&Link>,
+) -> anyhow::Result<([Run; 2], Deliveries)> {
+    let stop = interrupt::flag()?;
     let mut simulation = Simulation::new(&made.setup)?;
-    let bar = progress(made.fit.duration() + made.check.duration());
-    let mut follow = |command: &dyn Command, number: u64| {
+    let bar = progress::simulating(made.fit.duration() + made.check.duration());
+    let mut sent = Deliveries::default();
+    let mut follow = |command: &dyn Command, number: u64, name: &str| -> anyhow::Result<Run> {
         let before = bar.position();
-        simulation.run(command, made.seed, number, &mut |time_s| {
-            bar.set_position(before + (time_s * 1000.0) as u64);
+        let title = format!("{name}, seed {}", made.seed);
+        let begin = |link: &Link| link.follow(title, &made.setup.robot, command);
+        let mut shown = link.map(begin).transpose()?;
+        let run = simulation.run(command, made.seed, number, &mut |now| {
+            bar.set_position(before + (now.time_s * 1000.0) as u64);
+            if let Some(shown) = &mut shown {
+                shown.see(now);
+            }
             !stop.load(Ordering::Relaxed)
-        })
+        })?;
+        if let Some(shown) = shown {
+            sent.push(shown.end());
+        }
+        Ok(run)
     };
-    let runs = [follow(&made.fit, 0)?, follow(&made.check, 1)?];
+    let runs = [follow(&made.fit, 0, "fit")?, follow(&made.check, 1, "check")?];
     bar.finish_and_clear();
-    Ok(runs)
-}
-
-/// In simulated time; hides itself where standard error is not a terminal.
-fn progress(seconds: f64) -> ProgressBar {
-    let bar = ProgressBar::new((seconds * 1000.0) as u64);
-    let style = ProgressStyle::with_template("simulating {wide_bar} {percent} %, {eta} left");
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-}
-
-/// Raised by Ctrl-C, so that the work ends between two files and not within one.
-fn stop_on_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let raise = Arc::clone(&stop);
-    ctrlc::set_handler(move || raise.store(true, Ordering::Relaxed))?;
-    Ok(stop)
+    Ok((runs, sent))
 }
 
 pub(super) fn write(out: &Path, fit: &Run, check: &Run, truth: &Truth<'_>) -> anyhow::Result<()> {

@@ -4,7 +4,9 @@ use super::{ResimulationError, arm};
 use crate::motion::Spline;
 use crate::series::JointSeries;
 use crate::signals::Samples;
-use crate::simulation::{Clock, ControllerSettings, Noise, Quantisation, Setup, Simulation};
+use crate::simulation::{
+    Clock, ControllerSettings, Glimpse, Noise, Quantisation, Setup, Simulation,
+};
 use crate::twin::Twin;
 
 /// rapier's step, s, and how often the simulated motion is kept, Hz.
@@ -24,8 +26,8 @@ pub struct Replayed {
 }
 
 /// What the arm does when it should follow `q` (rad, at the samples' instants) in the simulation:
-/// the twin with all it knows, starting at rest. `watch` is told the simulated time (s) and
-/// returns false to stop.
+/// the twin with all it knows, starting at rest. `watch` sees it
+/// [`KEPT_HZ`] times a second and returns false to stop.
 ///
 /// # Errors
 /// If the command cannot be followed or the simulation leaves the finite numbers.
@@ -34,7 +36,7 @@ pub fn closed_loop(
     q: &JointSeries,
     samples: &Samples,
     controller: &ControllerSettings,
-    watch: &mut dyn FnMut(f64) -> bool,
+    watch: &mut dyn FnMut(&Glimpse) -> bool,
 ) -> Result<Replayed, ResimulationError> {
     let time: Vec<f64> = (0..samples.len()).map(|k| k as f64 * samples.dt).collect();
     let along = Spline::through(&time, q).ok_or(ResimulationError::Motion("recorded"))?;

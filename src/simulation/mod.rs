@@ -17,7 +17,7 @@ pub use controller::{Command, ComputedTorque, ControllerSettings, Feedback, Targ
 pub use injection::{Injection, Injections};
 pub use plant::{Plant, PlantError};
 pub use reference::Reference;
-pub use run::{Exact, Run, Shown, Simulation, SimulationError};
+pub use run::{Exact, Glimpse, Run, Shown, Simulation, SimulationError};
 pub use scenario::{Experiment, Scenario, ScenarioError};
 pub use sensors::{Noise, Quantisation};
 pub use setup::{Clock, ClockError, Setup};

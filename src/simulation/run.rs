@@ -67,6 +67,17 @@ struct Buffers {
     transmitted: Vec<f64>,
 }
 
+/// The arm while it moves, at an instant that is recorded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Glimpse<'a> {
+    /// Since the start of the motion, s.
+    pub time_s: f64,
+    /// Where the joints are, rad.
+    pub q: &'a [f64],
+    /// Motor torque at the joint, N.m.
+    pub tau: &'a [f64],
+}
+
 /// What one run yields.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
@@ -132,14 +143,14 @@ impl Simulation {
     }
 
     /// Follows `command` from rest at its start. Noise is drawn from `seed`; recordings with
-    /// different `number`s share nothing but that seed. `watch` is told the simulated time (s) at
-    /// every sample and returns false to stop.
+    /// different `number`s share nothing but that seed. `watch` sees the arm at every sample and
+    /// returns false to stop.
     pub fn run(
         &mut self,
         command: &dyn Command,
         seed: u64,
         number: u64,
-        watch: &mut dyn FnMut(f64) -> bool,
+        watch: &mut dyn FnMut(&Glimpse) -> bool,
     ) -> Result<Run, SimulationError> {
         let Clock { step_s, steps_per_sample, .. } = self.clock;
         let interval = step_s * steps_per_sample as f64;
@@ -156,11 +167,12 @@ impl Simulation {
             let sample = self.clock.samples(k).then_some(k / steps_per_sample);
             if let Some(i) = sample {
                 self.check_finite(time)?;
-                if !watch(time) {
+                let (q, tau) = (self.plant.q(), self.now.tau.as_slice());
+                if !watch(&Glimpse { time_s: time, q, tau }) {
                     return Err(SimulationError::Stopped { time_s: time });
                 }
-                exact.q.set_sample(i, self.plant.q());
-                exact.tau.set_sample(i, &self.now.tau);
+                exact.q.set_sample(i, q);
+                exact.tau.set_sample(i, tau);
                 exact.temperature.set_sample(i, &self.now.temperature);
             }
             self.step(time);

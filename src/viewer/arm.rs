@@ -61,7 +61,23 @@ pub const AFTER: Look = Look {
     swell: 1.22,
 };
 
-/// Logs shapes once, poses over time, and the path of the flange.
+/// While it is simulated: the arm, and the motion it is told to make.
+pub const MOVED: Look = Look {
+    root: "arm/simulated",
+    link: palette::LINK,
+    joint: palette::RECORDED,
+    alpha: 255,
+    swell: 1.0,
+};
+pub const COMMANDED: Look = Look {
+    root: "arm/commanded",
+    link: palette::TARGET,
+    joint: palette::TARGET,
+    alpha: 60,
+    swell: 1.15,
+};
+
+/// Logs shapes, poses over time, and the path of the flange.
 pub fn log(
     stream: &RecordingStream,
     robot: &Robot,
@@ -69,14 +85,32 @@ pub fn log(
     time: &[f64],
     q: &JointSeries,
 ) -> Result<(), Error> {
-    let entities = entities(robot, look.root);
-    let shown = thin(time, POSE_RATE_HZ);
-    for (body, entity) in entities.iter().enumerate() {
+    log_still(stream, robot, look)?;
+    log_motion(stream, robot, look, time, q)?;
+    log_path(stream, robot, look, q)
+}
+
+/// What does not change over time: the shapes.
+pub fn log_still(stream: &RecordingStream, robot: &Robot, look: &Look) -> Result<(), Error> {
+    for (body, entity) in entities(robot, look.root).iter().enumerate() {
         log_shapes(stream, robot, look, body, entity)?;
+    }
+    log_base(stream, robot, look)
+}
+
+/// Poses of all or of a stretch of the time.
+pub fn log_motion(
+    stream: &RecordingStream,
+    robot: &Robot,
+    look: &Look,
+    time: &[f64],
+    q: &JointSeries,
+) -> Result<(), Error> {
+    let shown = thin(time, POSE_RATE_HZ);
+    for (body, entity) in entities(robot, look.root).iter().enumerate() {
         log_poses(stream, robot, body, entity, time, &shown, q)?;
     }
-    log_base(stream, robot, look)?;
-    log_path(stream, robot, look, q)
+    Ok(())
 }
 
 /// Entity path of every body, nested as the bodies are.
@@ -138,7 +172,7 @@ fn isometry(placement: &Placement) -> Isometry3<f64> {
     Isometry3::from_parts(translation, UnitQuaternion::from_rotation_matrix(&rotation))
 }
 
-fn log_path(
+pub fn log_path(
     stream: &RecordingStream,
     robot: &Robot,
     look: &Look,

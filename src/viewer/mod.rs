@@ -1,12 +1,13 @@
 //! The twin beside the recording in rerun: one `.rrd` with the arms in 3D, plots, a summary.
 //!
 //! Knows nothing of how the numbers came about: a [`Comparison`] of one twin or the [`Mending`] of
-//! one goes in, a file comes out.
+//! one goes in, a file comes out. [`live`] sends the same to a viewer while they are worked out.
 
 mod arm;
 mod blueprint;
 mod comparison;
 mod layout;
+pub mod live;
 mod mending;
 mod palette;
 mod plots;
@@ -30,6 +31,14 @@ pub enum Error {
     Log(String),
     #[error("cannot write {path}: {source}")]
     Write { path: String, source: std::io::Error },
+    #[error("no viewer listens at {address} ({source})")]
+    Unreachable { address: String, source: std::io::Error },
+    #[error("cannot serve at {address}: {source}")]
+    Serve { address: String, source: std::io::Error },
+    #[error("the viewer went away: {0}")]
+    Gone(String),
+    #[error("the viewer has not taken everything within {0} s")]
+    Stuck(u64),
 }
 
 /// Any error of the viewer's library, in its own words.

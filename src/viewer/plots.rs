@@ -79,13 +79,41 @@ pub fn entity(joint: usize, quantity: &Quantity) -> String {
     format!("joint_{}/{}", joint + 1, quantity.key)
 }
 
-/// Logs every quantity of every joint.
-pub fn log(stream: &RecordingStream, c: &Comparison) -> Result<(), Error> {
+/// Logs `quantities` of every joint.
+pub fn log(
+    stream: &RecordingStream,
+    c: &Comparison,
+    quantities: &[&Quantity],
+) -> Result<(), Error> {
+    log_styles(stream, c, quantities)?;
+    log_stretch(stream, c, quantities)
+}
+
+/// How `quantities` are drawn.
+pub fn log_styles(
+    stream: &RecordingStream,
+    c: &Comparison,
+    quantities: &[&Quantity],
+) -> Result<(), Error> {
+    for joint in 0..c.robot.dof() {
+        for quantity in quantities {
+            log_style(stream, &entity(joint, quantity), &(quantity.curves)(c, joint))?;
+        }
+    }
+    Ok(())
+}
+
+/// The values of `quantities`, which may be a stretch of what is logged in the end.
+pub fn log_stretch(
+    stream: &RecordingStream,
+    c: &Comparison,
+    quantities: &[&Quantity],
+) -> Result<(), Error> {
     let time = TimeColumn::new_duration_secs(TIMELINE, c.time.iter().copied());
     for joint in 0..c.robot.dof() {
-        for quantity in QUANTITIES {
+        for quantity in quantities {
             let curves = (quantity.curves)(c, joint);
-            log_curves(stream, &time, &entity(joint, quantity), &curves)?;
+            log_values(stream, &time, &entity(joint, quantity), &curves)?;
         }
     }
     Ok(())
@@ -98,11 +126,28 @@ pub fn log_curves(
     entity: &str,
     curves: &[Curve<'_>],
 ) -> Result<(), Error> {
+    log_style(stream, entity, curves)?;
+    log_values(stream, time, entity, curves)
+}
+
+pub fn log_style(
+    stream: &RecordingStream,
+    entity: &str,
+    curves: &[Curve<'_>],
+) -> Result<(), Error> {
     let style = SeriesLines::new()
         .with_names(curves.iter().map(|c| c.name))
         .with_colors(curves.iter().map(|c| rerun::Color::from(c.color)))
         .with_widths(curves.iter().map(|c| c.width));
-    stream.log_static(entity, &style).map_err(log_error)?;
+    stream.log_static(entity, &style).map_err(log_error)
+}
+
+pub fn log_values(
+    stream: &RecordingStream,
+    time: &TimeColumn,
+    entity: &str,
+    curves: &[Curve<'_>],
+) -> Result<(), Error> {
     let samples = time.num_rows();
     let rows = (0..samples).flat_map(|k| curves.iter().map(move |c| c.values[k]));
     let columns = Scalars::new(rows)

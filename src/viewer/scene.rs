@@ -9,7 +9,7 @@ use rerun::{RecordingStream, RecordingStreamBuilder, TextDocument, ViewCoordinat
 use super::blueprint::{self, Node};
 use super::{Comparison, Error, arm, layout, log_error, plots};
 
-const APPLICATION: &str = "armtwin";
+pub const APPLICATION: &str = "armtwin";
 /// Entity path of the text panel.
 pub const SUMMARY: &str = "summary";
 
@@ -56,6 +56,10 @@ fn encode(shown: &impl Shown) -> Result<Vec<u8>, Error> {
 pub fn log_frame(stream: &RecordingStream, summary: &str) -> Result<(), Error> {
     let summary = TextDocument::from_markdown(summary);
     stream.log_static(SUMMARY, &summary).map_err(log_error)?;
+    log_up(stream)
+}
+
+pub fn log_up(stream: &RecordingStream) -> Result<(), Error> {
     stream.log_static("arm", &ViewCoordinates::RIGHT_HAND_Z_UP()).map_err(log_error)
 }
 
@@ -77,6 +81,6 @@ impl Shown for Comparison {
         for (look, motion) in [(arm::RECORDED, &self.recorded), (arm::SIMULATED, &self.simulated)] {
             arm::log(stream, &self.robot, &look, &self.time, &motion.q)?;
         }
-        plots::log(stream, self)
+        plots::log(stream, self, &plots::QUANTITIES)
     }
 }

@@ -10,6 +10,8 @@ mod effects;
 mod export;
 mod guide;
 mod identify;
+#[cfg(feature = "viewer")]
+mod live;
 mod mcmc;
 mod motor;
 #[cfg(feature = "viewer")]

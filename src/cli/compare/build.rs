@@ -4,6 +4,7 @@ use super::fit;
 use super::judge::{self, Report, Value};
 use super::summary;
 use crate::cli::progress;
+use crate::cli::stream::Link;
 use crate::effects::{Effect, Parameter};
 use crate::identification::Terms;
 use crate::recording::Recording;
@@ -12,6 +13,7 @@ use crate::series::JointSeries;
 use crate::signals::{Conditioning, Samples, condition};
 use crate::simulation::ControllerSettings;
 use crate::twin::Twin;
+use crate::viewer::live::{Comparing, Delivery};
 use crate::viewer::{self, Comparison};
 
 /// What `compare` found.
@@ -20,15 +22,18 @@ pub struct Compared {
     pub report: Report,
     /// What reading and conditioning did to the recording, in sentences.
     pub notes: Vec<String>,
+    /// On its way to a viewer.
+    pub sent: Option<Delivery>,
 }
 
 /// Fits `terms` on the recording, predicts the torque of the recorded motion, and drives the twin
-/// along the recorded command.
+/// along the recorded command; shown through `link` meanwhile.
 pub fn compare(
     recording: &Recording,
     twin: &Twin,
     terms: Option<&Terms>,
     how: &Conditioning,
+    link: Option<&Link>,
 ) -> anyhow::Result<Compared> {
     let samples = condition(recording, &twin.drive, twin.robot.dof(), how)?;
     let fitted = terms.map_or(Vec::new(), Terms::names);
@@ -37,24 +42,20 @@ pub fn compare(
         None => twin.clone(),
     };
     let samples = twin.correct(&samples);
-    let target_q = command(recording, &samples)?;
+    let mut scene = recorded(recording, &twin, &samples)?;
+    let mut shown = link.map(|link| Comparing::begin(&link.address, scene.clone())).transpose()?;
     let controller = ControllerSettings::default();
     let bar = progress::simulating(samples.len() as f64 * samples.dt);
-    let follow = target_q.as_ref().unwrap_or(&samples.q);
-    let simulated = closed_loop(&twin, follow, &samples, &controller, &mut |t| {
-        bar.set_position((1000.0 * t) as u64);
+    let follow = scene.target_q.as_ref().unwrap_or(&samples.q);
+    let simulated = closed_loop(&twin, follow, &samples, &controller, &mut |now| {
+        bar.set_position((1000.0 * now.time_s) as u64);
+        if let Some(shown) = &mut shown {
+            shown.add(now.time_s, now.q);
+        }
         true
     })?;
     bar.finish_and_clear();
-    let [measured, predicted] = torques(&twin, &samples)?;
-    let names: Vec<String> = twin
-        .robot
-        .bodies
-        .iter()
-        .map(|b| b.joint.name.trim_end_matches("_joint").to_string())
-        .collect();
-    let torque = [&measured, &predicted];
-    let joints = judge::rows(&samples, &names, torque, &simulated.q, target_q.as_ref());
+    scene.simulated = viewer::Motion { q: simulated.q, qd: simulated.qd };
     let report = Report {
         schema: "armtwin.comparison/1",
         version: env!("CARGO_PKG_VERSION"),
@@ -62,23 +63,31 @@ pub fn compare(
         robot: twin.source.clone(),
         values: values(&twin, &fitted),
         fitted,
-        followed: if target_q.is_some() { "target_q" } else { "actual_q" },
-        joints,
+        followed: if scene.target_q.is_some() { "target_q" } else { "actual_q" },
+        joints: judge::rows(&samples, &scene),
         controller,
         conditioning: how.clone(),
     };
     let notes = notes(recording, &samples);
-    let scene = Comparison {
-        title: report.recording.clone(),
+    scene.summary = summary::markdown(&report, &notes);
+    let sent = shown.map(|shown| shown.end(&scene));
+    Ok(Compared { scene, report, notes, sent })
+}
+
+/// All that can be shown before the twin is simulated.
+fn recorded(recording: &Recording, twin: &Twin, samples: &Samples) -> anyhow::Result<Comparison> {
+    let [measured, predicted] = torques(twin, samples)?;
+    let unknown = JointSeries::zeros(twin.robot.dof(), samples.len());
+    Ok(Comparison {
+        title: recording.provenance.source.clone(),
         time: (0..samples.len()).map(|k| k as f64 * samples.dt).collect(),
-        torque: viewer::Torque { predicted: while_moving(&predicted, &samples), measured },
-        recorded: viewer::Motion { q: samples.q, qd: samples.qd },
-        simulated: viewer::Motion { q: simulated.q, qd: simulated.qd },
-        target_q,
-        summary: summary::markdown(&report, &notes),
-        robot: twin.robot,
-    };
-    Ok(Compared { scene, report, notes })
+        torque: viewer::Torque { predicted: while_moving(&predicted, samples), measured },
+        recorded: viewer::Motion { q: samples.q.clone(), qd: samples.qd.clone() },
+        simulated: viewer::Motion { q: unknown.clone(), qd: unknown },
+        target_q: command(recording, samples)?,
+        summary: String::new(),
+        robot: twin.robot.clone(),
+    })
 }
 
 fn notes(recording: &Recording, samples: &Samples) -> Vec<String> {
@@ -106,7 +115,7 @@ fn torques(twin: &Twin, samples: &Samples) -> anyhow::Result<[JointSeries; 2]> {
 fn while_moving(torque: &JointSeries, samples: &Samples) -> JointSeries {
     let threshold = samples.conditioning.standstill_rad_s;
     torque.map_joints(|j, tau| {
-        let moves = samples.qd.joint(j).iter().map(|qd| qd.abs() > threshold);
+        let moves = samples.qd.joint(j).iter().map(|v| threshold <= 0.0 || v.abs() > threshold);
         tau.iter().zip(moves).map(|(&t, moves)| if moves { t } else { f64::NAN }).collect()
     })
 }

@@ -9,6 +9,7 @@ use crate::report::table;
 use crate::series::JointSeries;
 use crate::signals::Samples;
 use crate::statistics::Goodness;
+use crate::viewer::Comparison;
 
 /// What `compare` prints and `--json` holds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -55,30 +56,25 @@ pub struct Value {
 }
 
 /// Torque on the sliding samples, positions on all usable ones.
-pub fn rows(
-    samples: &Samples,
-    names: &[String],
-    [measured, predicted]: [&JointSeries; 2],
-    simulated_q: &JointSeries,
-    target_q: Option<&JointSeries>,
-) -> Vec<Row> {
+pub fn rows(samples: &Samples, scene: &Comparison) -> Vec<Row> {
+    let Comparison { robot, torque, simulated, target_q, .. } = scene;
     let gap =
         |other: &JointSeries, j| rms_where(&samples.usable, samples.q.joint(j), other.joint(j));
-    let row = |(j, name): (usize, &String)| {
+    let row = |j: usize| {
         let rows = samples.rows(j);
-        let (y, fit) = (rows.take(measured.joint(j)), rows.take(predicted.joint(j)));
+        let [y, fit] = [&torque.measured, &torque.predicted].map(|tau| rows.take(tau.joint(j)));
         let good = (!rows.is_empty()).then(|| Goodness::of(&y, &fit));
         Row {
             joint: j + 1,
-            name: name.clone(),
+            name: robot.bodies[j].joint.name.trim_end_matches("_joint").to_string(),
             samples: rows.len(),
             torque_rms_nm: good.map(|g| g.rmse),
             r2: good.map(|g| g.r2).filter(|r2| r2.is_finite()),
-            tracking_rms_rad: gap(simulated_q, j),
-            following_rms_rad: target_q.map(|q| gap(q, j)),
+            tracking_rms_rad: gap(&simulated.q, j),
+            following_rms_rad: target_q.as_ref().map(|q| gap(q, j)),
         }
     };
-    names.iter().enumerate().map(row).collect()
+    (0..robot.dof()).map(row).collect()
 }
 
 /// Root mean square of `a - b` where `used`.

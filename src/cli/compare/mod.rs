@@ -12,6 +12,7 @@ mod summary;
 use std::path::PathBuf;
 
 use super::conditioning::ConditioningArgs;
+use super::stream::StreamArgs;
 #[cfg(feature = "viewer")]
 use super::view;
 
@@ -21,6 +22,7 @@ use super::view;
   armtwin compare Movement_No6 -o movement6.rrd
   armtwin compare check.csv --twin scenarios/twins/ur5.toml -o check.rrd
   rerun check.rrd
+  armtwin compare check.csv --serve              # then, at any time: rerun rerun+http://127.0.0.1:9876/proxy
 
 What the twin gives no values for is fitted on the recording; without --twin that is the paper's
 friction law, rotor inertia and current offset of a UR5. The twin is then driven along the recorded
@@ -46,6 +48,8 @@ pub struct Args {
     #[arg(long)]
     view: bool,
     #[command(flatten)]
+    live: StreamArgs,
+    #[command(flatten)]
     conditioning: ConditioningArgs,
 }
 
@@ -61,13 +65,15 @@ pub fn run(_: &Args) -> anyhow::Result<()> {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     use anyhow::Context;
 
+    use super::stream::Deliveries;
     use crate::{recording, twin::Twin, viewer::write_rrd};
 
     let recording = recording::read(&args.recording, args.columns.as_deref())?;
     let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
     let terms = fit::terms(&twin, args.twin.is_some())?;
     let how = args.conditioning.conditioning();
-    let compared = build::compare(&recording, &twin, terms.as_ref(), &how)
+    let link = args.live.open()?;
+    let compared = build::compare(&recording, &twin, terms.as_ref(), &how, link.as_ref())
         .with_context(|| args.recording.display().to_string())?;
     println!("armtwin {}  compare", env!("CARGO_PKG_VERSION"));
     compared.notes.iter().for_each(|note| println!("  {note}"));
@@ -77,5 +83,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     write_rrd(&compared.scene, &args.out)?;
     println!("\n{}: open it with the viewer, `rerun {}`", args.out.display(), args.out.display());
-    if args.view { view::open(&args.out) } else { Ok(()) }
+    if args.view {
+        view::open(&args.out)?;
+    }
+    let mut sent = Deliveries::default();
+    compared.sent.into_iter().for_each(|one| sent.push(one));
+    sent.end(link)
 }
