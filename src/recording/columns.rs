@@ -14,6 +14,7 @@ use serde::Deserialize;
 
 use super::RecordingError;
 use super::bag::BagMap;
+use super::file::cannot;
 use super::text::{Delimiter, Layout};
 
 /// What the columns of a foreign CSV are.
@@ -102,10 +103,7 @@ pub struct Mapped {
 impl ColumnMap {
     pub fn load(path: &Path) -> Result<Self, RecordingError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| match source.kind() {
-            std::io::ErrorKind::NotFound => RecordingError::NotFound { file: file.clone() },
-            _ => RecordingError::Io { file: file.clone(), action: "read", source },
-        })?;
+        let text = std::fs::read_to_string(path).map_err(cannot(path, "read"))?;
         Self::parse(&text, &file)
     }
 

@@ -5,6 +5,7 @@ mod bag;
 mod check;
 mod columns;
 mod error;
+mod file;
 mod format;
 pub mod inspection;
 mod mapped_csv;

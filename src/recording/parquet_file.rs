@@ -17,6 +17,7 @@ use parquet::file::properties::WriterProperties;
 
 use super::check::refuse_bad;
 use super::columns::Column;
+use super::file::{open, replace};
 use super::format::{Format, WriteOptions};
 use super::rtde_csv::TIME;
 use super::{Channel, ColumnMap, Provenance, Recording, RecordingError};
@@ -49,16 +50,7 @@ impl Format for Parquet {
         path: &Path,
         _: &WriteOptions,
     ) -> Result<(), RecordingError> {
-        let failed = |source| RecordingError::Io {
-            file: path.display().to_string(),
-            action: "written",
-            source,
-        };
-        crate::files::replace_whole(path, |file| {
-            let handle = file.reopen().map_err(failed)?;
-            write(recording, handle).map_err(|e| damaged(path, e.to_string()))
-        })
-        .map_err(failed)?
+        replace(path, |file, _| write(recording, file).map_err(|e| damaged(path, e.to_string())))
     }
 }
 
@@ -73,15 +65,7 @@ struct Wanted {
 fn read(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError> {
     let file = path.display().to_string();
     let wrong = |e: &dyn std::error::Error| damaged(path, e.to_string());
-    let handle = File::open(path).map_err(|source| RecordingError::Io {
-        file: file.clone(),
-        action: "read",
-        source,
-    })?;
-    if handle.metadata().is_ok_and(|m| m.len() == 0) {
-        return Err(RecordingError::Empty { file });
-    }
-    let builder = ParquetRecordBatchReaderBuilder::try_new(handle).map_err(|e| wrong(&e))?;
+    let builder = ParquetRecordBatchReaderBuilder::try_new(open(path)?).map_err(|e| wrong(&e))?;
     let schema = builder.schema().clone();
     let mut notes = Vec::new();
     let (time, wanted) = match map {

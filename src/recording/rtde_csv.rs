@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::check::refuse_bad;
+use super::file::cannot;
 use super::format::{Format, WriteOptions};
 use super::text::{Layout, Text};
 use super::{
@@ -97,10 +98,7 @@ fn write(recording: &Recording, path: &Path, delimiter: Delimiter) -> Result<(),
         write_rows(recording, delimiter, &mut io::BufWriter::new(&mut packer))?;
         packer.finish().map(drop)
     })
-    .map_err(|source| {
-        let file = path.display().to_string();
-        RecordingError::Io { file, action: "written", source }
-    })
+    .map_err(cannot(path, "written"))
 }
 
 fn write_rows(recording: &Recording, delimiter: Delimiter, out: &mut dyn Write) -> io::Result<()> {

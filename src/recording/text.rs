@@ -4,6 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use super::RecordingError;
+use super::file::cannot;
 
 /// What separates columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -162,10 +163,7 @@ impl Text {
 /// Reads a file whole, through gzip where its first bytes say so.
 fn load(path: &Path) -> Result<Vec<u8>, RecordingError> {
     let file = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|source| match source.kind() {
-        std::io::ErrorKind::NotFound => RecordingError::NotFound { file: file.clone() },
-        _ => RecordingError::Io { file: file.clone(), action: "read", source },
-    })?;
+    let bytes = std::fs::read(path).map_err(cannot(path, "read"))?;
     if bytes.is_empty() {
         return Err(RecordingError::Empty { file });
     }

@@ -4,11 +4,13 @@ mcap-ros2-support rosbags pyarrow), from a recording simulated by `armtwin simul
     armtwin simulate scenarios/ur5_friction.toml --out friction
     python tests/bags/make.py friction/fit.csv tests/bags
 
-24 samples of it, joints in the driver's alphabetical order under a prefix, calendar stamps, current
-as effort, other topics between them. expected.csv holds the same samples as they should be read.
+24 samples of it, joints in the driver's alphabetical order under a prefix (in another order in every
+message of shuffled.mcap), calendar stamps, current as effort, other topics between them. expected.csv
+holds the same samples as they should be read.
 """
 
 import csv
+import random
 import shutil
 import sys
 from pathlib import Path
@@ -18,7 +20,7 @@ import pyarrow
 import pyarrow.parquet
 from mcap.writer import CompressionType
 from mcap_ros2.writer import Writer as McapWriter
-from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as BagWriter
 from rosbags.typesys import Stores, get_typestore
 
@@ -58,12 +60,14 @@ def main(source, out):
     mcap(out / "lz4.mcap", samples, CompressionType.LZ4)
     mcap(out / "zstd.mcap", samples, CompressionType.ZSTD)
     mcap(out / "plain.mcap", samples, CompressionType.NONE)
+    mcap(out / "shuffled.mcap", samples, CompressionType.ZSTD, order=random.Random(1))
     mcap(out / "two_topics.mcap", samples[:3], CompressionType.ZSTD, ["/a/joint_states", "/b/joint_states"])
     mcap(out / "no_joint_states.mcap", samples[:3], CompressionType.ZSTD, [])
     rosbag(out / "folder_sqlite", samples, StoragePlugin.SQLITE3)
-    shutil.move(out / "folder_sqlite" / "folder_sqlite.db3", out / "rosbags.db3")
-    shutil.rmtree(out / "folder_sqlite")
+    shutil.copy(out / "folder_sqlite" / "folder_sqlite.db3", out / "rosbags.db3")
     rosbag(out / "folder_mcap", samples, StoragePlugin.MCAP)
+    rosbag(out / "folder_packed", samples, StoragePlugin.MCAP, CompressionMode.MESSAGE)
+    split(out / "folder_split", samples)
     parquet(out / "pyarrow.parquet", samples)
 
 
@@ -78,19 +82,19 @@ def pick(source):
     return [(stamp(rows[k]), *(read(rows[k], signal) for signal in SIGNALS)) for k in at]
 
 
-def message(ns, signals):
+def message(ns, signals, order=ORDER):
     stamp = FIRST_NS + ns
-    q, qd, current = ([float(values[j]) for j in ORDER] for values in signals)
+    q, qd, current = ([float(values[j]) for j in order] for values in signals)
     return {
         "header": {"stamp": {"sec": stamp // 10**9, "nanosec": stamp % 10**9}, "frame_id": "base"},
-        "name": [NAMES[j] for j in ORDER],
+        "name": [NAMES[j] for j in order],
         "position": q,
         "velocity": qd,
         "effort": current,
     }
 
 
-def mcap(path, samples, compression, topics=("/joint_states",)):
+def mcap(path, samples, compression, topics=("/joint_states",), order=None):
     with open(path, "wb") as file:
         with McapWriter(file, chunk_size=2048, compression=compression) as writer:
             state = writer.register_msgdef("sensor_msgs/msg/JointState", JOINT_STATE)
@@ -98,19 +102,24 @@ def mcap(path, samples, compression, topics=("/joint_states",)):
             for k, (ns, *signals) in enumerate(samples):
                 at = FIRST_NS + ns + LATENCY_NS
                 writer.write_message("/rosout", text, {"data": f"step {k}"}, log_time=at)
+                joints = order.sample(ORDER, 6) if order else ORDER
                 for topic in topics:
-                    writer.write_message(topic, state, message(ns, signals), log_time=at, sequence=k)
+                    content = message(ns, signals, joints)
+                    writer.write_message(topic, state, content, log_time=at, sequence=k)
                 if "/joint_states" in topics and k % 8 == 0:
                     grip = message(ns, signals) | {"name": ["left_gripper_joint"]}
                     grip |= {"position": [0.5], "velocity": [], "effort": []}
                     writer.write_message("/joint_states", state, grip, log_time=at + 1)
 
 
-def rosbag(path, samples, storage):
+def rosbag(path, samples, storage, packed=None):
     shutil.rmtree(path, ignore_errors=True)
     store = get_typestore(Stores.ROS2_HUMBLE)
     types = store.types
-    with BagWriter(path, version=8, storage_plugin=storage) as bag:
+    bag = BagWriter(path, version=8, storage_plugin=storage)
+    if packed:
+        bag.set_compression(packed, CompressionFormat.ZSTD)
+    with bag:
         topic = bag.add_connection("/joint_states", "sensor_msgs/msg/JointState", typestore=store)
         for ns, *signals in samples:
             m = message(ns, signals)
@@ -120,6 +129,16 @@ def rosbag(path, samples, storage):
             state = types["sensor_msgs/msg/JointState"](header=header, name=m["name"], **arrays)
             data = store.serialize_cdr(state, "sensor_msgs/msg/JointState")
             bag.write(topic, FIRST_NS + ns + LATENCY_NS, data)
+
+
+def split(path, samples):
+    """In two files, as rosbag2 does with long bags, and without metadata.yaml."""
+    shutil.rmtree(path, ignore_errors=True)
+    path.mkdir()
+    for number, part in enumerate([samples[:12], samples[12:]]):
+        rosbag(path / "part", part, StoragePlugin.MCAP)
+        shutil.move(path / "part" / "part.mcap", path / f"run_{number}.mcap")
+        shutil.rmtree(path / "part")
 
 
 def parquet(path, samples):

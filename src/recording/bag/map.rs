@@ -37,6 +37,14 @@ impl Effort {
             Effort::Torque => "joint_torque",
         }
     }
+
+    /// With its unit.
+    pub fn words(self) -> &'static str {
+        match self {
+            Effort::Current => "motor current, A",
+            Effort::Torque => "torque, N.m",
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]

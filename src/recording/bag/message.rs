@@ -1,10 +1,31 @@
 //! The two ROS messages a bag is read from and written with.
 
+use std::borrow::Cow;
+use std::io::Read;
+
 use super::cdr::{Malformed, Reader, Writer};
 
 pub const JOINT_STATE: &str = "sensor_msgs/msg/JointState";
 /// What of a recording has no place in a joint state.
 pub const NUMBERS: &str = "std_msgs/msg/Float64MultiArray";
+
+/// A message that rosbag2 compressed by itself begins so.
+const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
+/// No joint state is longer.
+const LONGEST: u64 = 1 << 24;
+
+/// Of a message that may be compressed by itself, as rosbag2's compression mode "message" does.
+pub fn unpacked(message: &[u8]) -> Result<Cow<'_, [u8]>, Malformed> {
+    if !message.starts_with(&ZSTD) {
+        return Ok(Cow::Borrowed(message));
+    }
+    let mut plain = Vec::new();
+    let unpacker = zstd::stream::read::Decoder::new(message);
+    match unpacker.and_then(|unpacker| unpacker.take(LONGEST).read_to_end(&mut plain)) {
+        Ok(_) => Ok(Cow::Owned(plain)),
+        Err(error) => Err(Malformed(format!("its compression is damaged ({error})"))),
+    }
+}
 
 /// Written into MCAP files, so that others can decode them without ROS.
 pub fn definition(kind: &str) -> &'static str {

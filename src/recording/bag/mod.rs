@@ -16,13 +16,13 @@ mod sqlite_file;
 mod tests;
 mod topics;
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 pub use map::{BagMap, Effort};
 use outgoing::Outgoing;
 
 use super::check::refuse_bad;
+use super::file::{cannot, open, replace};
 use super::format::{Format, WriteOptions};
 use super::{Channel, ColumnMap, Provenance, Recording, RecordingError};
 use joints::Sampled;
@@ -70,14 +70,10 @@ impl Format for RosBag {
         _: &WriteOptions,
     ) -> Result<(), RecordingError> {
         let bag = Outgoing::new(recording, path)?;
-        crate::files::replace_whole(path, |file| match path.extension() {
-            Some(e) if e.eq_ignore_ascii_case("db3") => sqlite_file::write(&bag, file.path()),
-            _ => {
-                let handle = file.reopen().map_err(cannot(path, "written"))?;
-                mcap_file::write(&bag, handle, path)
-            }
+        replace(path, |file, new| match path.extension() {
+            Some(e) if e.eq_ignore_ascii_case("db3") => sqlite_file::write(&bag, new),
+            _ => mcap_file::write(&bag, file, path),
         })
-        .map_err(cannot(path, "written"))?
     }
 }
 
@@ -103,10 +99,7 @@ fn read(path: &Path, map: &BagMap) -> Result<Recording, RecordingError> {
     let files = if path.is_dir() { bags_in(path) } else { vec![path.to_path_buf()] };
     let mut topics = Topics::new(source.clone(), map);
     for file in &files {
-        let size = file.metadata().map_err(cannot(file, "read"))?.len();
-        if size == 0 {
-            return Err(RecordingError::Empty { file: file.display().to_string() });
-        }
+        open(file)?;
         topics.next_file();
         match file.extension() {
             Some(e) if e.eq_ignore_ascii_case("db3") => sqlite_file::read(file, &mut topics)?,
@@ -195,6 +188,8 @@ fn name_effort(
         column.iter_mut().for_each(|v| *v *= scale);
     }
     if let Some(said) = map.effort {
+        let what = said.words();
+        provenance.notes.push(format!("effort taken as {what}, as the column map says"));
         return Ok(said.stem());
     }
     let arms = effort::arms(map.robot.as_deref(), names::of_universal_robots(names));
@@ -202,10 +197,7 @@ fn name_effort(
     let evidence = effort::by_gravity(q, effort, &arms);
     let why = evidence.why;
     provenance.notes.push(match evidence.effort {
-        Some(found) => {
-            let what = if found == Effort::Current { "motor current, A" } else { "torque, N.m" };
-            format!("effort taken as {what}, by gravity: {why}")
-        }
+        Some(found) => format!("effort taken as {}, by gravity: {why}", found.words()),
         None => format!(
             "effort may be current or torque, gravity does not tell ({why}): say so in a column \
              map, [bag] effort = \"current\" or \"torque\", or name the arm, robot = \"ur5e\""
@@ -231,9 +223,4 @@ fn own_channels(all: Vec<Numbers>, logged: &[i64], notes: &mut Vec<String>) -> V
 
 fn bad(file: &str, what: String, remedy: &'static str) -> RecordingError {
     RecordingError::Container { file: file.into(), what, remedy }
-}
-
-fn cannot(path: &Path, action: &'static str) -> impl Fn(io::Error) -> RecordingError {
-    let file = path.display().to_string();
-    move |source| RecordingError::Io { file: file.clone(), action, source }
 }

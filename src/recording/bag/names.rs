@@ -1,14 +1,7 @@
 //! Which of a message's joints are the arm's, base to wrist, whatever their order.
 
-/// Endings of the manufacturer's names, base to wrist; a prefix tells arms apart.
-const UR: [&str; 6] = [
-    "shoulder_pan_joint",
-    "shoulder_lift_joint",
-    "elbow_joint",
-    "wrist_1_joint",
-    "wrist_2_joint",
-    "wrist_3_joint",
-];
+use crate::robot::tables::JOINTS as UR;
+
 /// Fewer numbered joints may be a gripper's.
 const FEWEST_NUMBERED: usize = 3;
 /// As this program names joints: `joint_1`, ...

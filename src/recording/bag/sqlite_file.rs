@@ -10,9 +10,6 @@ use super::topics::Topics;
 use super::{Outgoing, bad, cannot};
 use crate::recording::RecordingError;
 
-/// Messages that rosbag2 compressed one by one begin so.
-const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
-
 pub fn read(path: &Path, topics: &mut Topics) -> Result<(), RecordingError> {
     refuse_short(path)?;
     let wrong = |e: rusqlite::Error| broken(&e, path, topics.joint_states());
@@ -74,13 +71,6 @@ fn messages(
         let logged: i64 = row.get(1).map_err(|e| wrong(&e))?;
         let data = row.get_ref(2).map_err(|e| wrong(&e))?;
         let data = data.as_blob().map_err(|e| wrong(&e.into()))?;
-        if data.starts_with(&ZSTD) {
-            return Err(bad(
-                &path.display().to_string(),
-                "its messages are compressed one by one".into(),
-                "write it again without (ros2 bag convert, compression_mode: none) or as MCAP",
-            ));
-        }
         topics.message(topic as u64, logged, data)?;
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::cdr::Malformed;
-use super::message::{JOINT_STATE, JointState, NUMBERS, decode_numbers};
+use super::message::{JOINT_STATE, JointState, NUMBERS, decode_numbers, unpacked};
 use super::{BagMap, OWN_TOPICS, bad};
 use crate::recording::RecordingError;
 use crate::recording::bag::joints::Joints;
@@ -105,12 +105,12 @@ impl<'m> Topics<'m> {
             return Ok(());
         };
         topic.messages += 1;
-        let taken = match &mut topic.content {
-            Content::Joints(joints) => JointState::decode(data)
+        let taken = unpacked(data).and_then(|data| match &mut topic.content {
+            Content::Joints(joints) => JointState::decode(&data)
                 .and_then(|state| joints.add(&state, logged, self.map).map_err(Malformed)),
-            Content::Numbers(numbers) => numbers.add(logged, data),
+            Content::Numbers(numbers) => numbers.add(logged, &data),
             Content::Other => Ok(()),
-        };
+        });
         taken.map_err(|Malformed(what)| RecordingError::Message {
             file: self.file.clone(),
             topic: topic.name.clone(),

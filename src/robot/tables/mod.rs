@@ -23,7 +23,8 @@ pub const BUILT_IN: &[&Table] = &[
     &ur10e::TABLE,
 ];
 
-const JOINTS: [&str; 6] = [
+/// As the manufacturer's drivers name them, base to wrist; a prefix tells arms apart.
+pub const JOINTS: [&str; 6] = [
     "shoulder_pan_joint",
     "shoulder_lift_joint",
     "elbow_joint",
