@@ -1,5 +1,6 @@
 //! Tables and pages a person reads.
 
+pub mod diagnosis;
 pub mod html;
 mod markdown;
 mod paragraph;

@@ -1,8 +1,9 @@
 //! What the twin lacks, and what was set aside.
 
 use super::page::titled;
-use crate::diagnosis::{Cause, Diagnosis, Named, Value, by_reason, words};
-use crate::report::{paragraph, table, to_uncertainty};
+use crate::diagnosis::{Cause, Diagnosis, Value, by_reason, words};
+use crate::report::diagnosis as rows;
+use crate::report::{paragraph, table};
 
 pub fn section(causes: &[Cause]) -> String {
     let body: Vec<String> = causes.iter().map(cause).collect();
@@ -16,11 +17,9 @@ fn cause(c: &Cause) -> String {
         words::place(&c.joints),
         words::percent(c.probability)
     );
-    let rows: String = table(
-        &["  parameter", "unit", "value", "90 % low", "high", ""],
-        2,
-        c.parameters.iter().map(value),
-    );
+    let mut header = rows::PARAMETERS;
+    header[0] = "  parameter";
+    let rows = table(&header, 2, c.parameters.iter().map(parameter));
     text += &format!("{rows}\n");
     let s = &c.shrink;
     text += &paragraph(
@@ -35,21 +34,17 @@ fn cause(c: &Cause) -> String {
         ),
     );
     if !c.equivalent.is_empty() {
-        let same: Vec<String> = c.equivalent.iter().map(named).collect();
+        let same: Vec<String> = c.equivalent.iter().map(rows::named).collect();
         text += &paragraph("  the same ", &format!("in these data: {}", same.join("; ")));
     }
     text += &paragraph("  cause    ", &c.cause);
     text + &paragraph("  remedy   ", &c.remedy)
 }
 
-fn named(n: &Named) -> String {
-    format!("{} at {}", n.effect, words::place(&n.joints))
-}
-
-fn value(v: &Value) -> Vec<String> {
-    let bound = if v.at_bound { "at bound" } else { "" };
-    let [value, low, high] = to_uncertainty(v.value, v.low, v.high);
-    vec![format!("  {}", v.name), v.unit.clone(), value, low, high, bound.into()]
+fn parameter(v: &Value) -> Vec<String> {
+    let mut cells = rows::parameter(v);
+    cells[0].insert_str(0, "  ");
+    cells
 }
 
 /// What cannot be tested and what was rejected, grouped by reason.

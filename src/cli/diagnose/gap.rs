@@ -1,23 +1,12 @@
 //! The gap by joint and by regime.
 
 use super::page::titled;
-use crate::diagnosis::{Gap, JointGap, words};
+use crate::diagnosis::{Gap, JointGap};
+use crate::report::diagnosis as rows;
 use crate::report::table;
 
 pub fn section(gap: &Gap) -> String {
-    let header = ["joint", "gap N.m", "90 % low", "high", "noise floor", "from", "share"];
-    let row = |j: &JointGap| {
-        vec![
-            j.joint.to_string(),
-            format!("{:.3}", j.rms_nm),
-            format!("{:.3}", j.low_nm),
-            format!("{:.3}", j.high_nm),
-            format!("{:.3}", j.noise_floor_nm),
-            j.floor_from.clone(),
-            words::percent(j.share),
-        ]
-    };
-    let joints = table(&header, 1, gap.joints.iter().map(row));
+    let joints = table(&rows::GAP, 1, gap.joints.iter().map(rows::gap));
     let regimes = regimes(gap);
     let legend = "+: more than the joint's gap as a whole. -: not in this recording";
     titled("Where: recorded torque less the twin's", &format!("{joints}\n\n{regimes}\n{legend}"))

@@ -2,11 +2,9 @@
 
 use super::{Diagnosed, causes, gap};
 use crate::diagnosis::{Diagnosis, Ranked, words};
+use crate::report::diagnosis as rows;
 use crate::report::html::Fact;
 use crate::report::{paragraph, table};
-
-/// Ranked candidates that are printed, besides "none" and "unknown".
-const RANKED: usize = 8;
 
 pub fn page(done: &Diagnosed) -> String {
     findings(&done.diagnosis) + &circumstances(done)
@@ -30,71 +28,23 @@ pub fn titled(title: &str, body: &str) -> String {
 }
 
 fn ranking(ranking: &[Ranked]) -> String {
-    let special = |r: &&Ranked| ["none", "unknown"].contains(&r.effect.as_str());
-    let (special, effects): (Vec<&Ranked>, Vec<&Ranked>) = ranking.iter().partition(special);
-    let shown = effects.iter().take(RANKED).chain(&special);
-    let row = |r: &&Ranked| {
-        let special = ["none", "unknown"].contains(&r.effect.as_str());
-        let place = if special { String::new() } else { words::place(&r.joints) };
-        let gain = |x: f64| if special { "-".into() } else { format!("{x:.1}") };
-        vec![
-            r.effect.clone(),
-            place,
-            words::percent(r.probability),
-            gain(r.gain_fit),
-            gain(r.gain_check),
-        ]
+    let (shown, rest) = rows::ranked(ranking);
+    let rows = table(&rows::CANDIDATES, 2, shown.into_iter().map(rows::candidate));
+    let rest = match rest.len() {
+        0 => String::new(),
+        more => format!("\n{more} more in diagnosis.json"),
     };
-    let rows = table(&["effect", "at", "probability", "gain fit", "check"], 2, shown.map(row));
-    let more = effects.len().saturating_sub(RANKED);
-    let rest = if more > 0 { format!("\n{more} more in diagnosis.json") } else { String::new() };
     let legend =
         "\ngain: in log-likelihood over the twin, on the recording searched and on the other";
     titled("Which effect: candidates", &format!("{rows}{rest}{legend}"))
 }
 
 fn shrink(d: &Diagnosis) -> String {
-    let t = &d.shrink.torque;
-    let row = |what: String, before: f64, after: f64, share: String| {
-        vec![what, format!("{before:.3}"), format!("{after:.3}"), share]
-    };
-    let joints = t.joints.iter().map(|j| {
-        row(format!("joint {}", j.joint), j.before_nm, j.after_nm, words::percent(j.fraction))
-    });
-    let between = format!(
-        "{} ({} .. {})",
-        words::percent(t.fraction),
-        words::percent(t.low),
-        words::percent(t.high)
-    );
-    let total = row("all joints".into(), t.before_nm, t.after_nm, between);
-    let header = ["torque on the check recording", "before N.m", "after N.m", "of mean square"];
-    let mut body = table(&header, 1, joints.chain([total]));
-    body += &format!("\nof what lies above the noise floor: {}\n", words::percent(t.reducible));
+    let above = words::percent(d.shrink.torque.reducible);
+    let mut body = table(&rows::TORQUE, 1, rows::torque(d));
+    body += &format!("\nof what lies above the noise floor: {above}\n");
     if let Some(s) = &d.shrink.simulation {
-        let mrad = |rad: f64| format!("{:.3}", 1e3 * rad);
-        let both =
-            |what: &str, before: String, after: String| vec![what.to_string(), before, after];
-        let rows = [
-            both("position, closed loop, mrad", mrad(s.before_rad), mrad(s.after_rad)),
-            both(
-                "torque, closed loop, N.m",
-                format!("{:.3}", s.torque_before_nm),
-                format!("{:.3}", s.torque_after_nm),
-            ),
-            both(
-                &format!(
-                    "position {} s after a recorded state, driven by its torque, mrad",
-                    s.window_s
-                ),
-                mrad(s.open_loop_before_rad),
-                mrad(s.open_loop_after_rad),
-            ),
-        ];
-        body += &format!(
-            "\n{}",
-            table(&["twin simulated again, less recorded", "before", "after"], 1, rows)
-        );
+        body += &format!("\n{}", table(&rows::SIMULATED, 1, rows::simulated(s)));
     }
     titled("How far the gap shrinks", &body)
 }

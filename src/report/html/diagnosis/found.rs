@@ -3,11 +3,8 @@
 use maud::{Markup, html};
 
 use super::super::table::table;
-use crate::diagnosis::{Cause, Checked, Diagnosis, Named, Ranked, Value, words};
-use crate::report::to_uncertainty;
-
-/// Candidates that are shown at once, besides "none" and "unknown".
-const RANKED: usize = 8;
+use crate::diagnosis::{Cause, Checked, Diagnosis, Ranked, words};
+use crate::report::diagnosis as rows;
 
 pub fn causes(d: &Diagnosis) -> Markup {
     html! {
@@ -20,11 +17,11 @@ pub fn causes(d: &Diagnosis) -> Markup {
 
 fn one(c: &Cause) -> Markup {
     let Checked { check_before_nm, check_after_nm, fraction, low, high } = c.shrink;
-    let same: Vec<String> = c.equivalent.iter().map(named).collect();
+    let same: Vec<String> = c.equivalent.iter().map(rows::named).collect();
     html! {
         h3 { (c.effect) " at " (words::place(&c.joints)) ": probability " (words::percent(c.probability)) }
         p { (sentence(&c.cause)) }
-        (table(&["parameter", "unit", "value", "90 % low", "high", ""], 2, c.parameters.iter().map(value)))
+        (table(&rows::PARAMETERS, 2, c.parameters.iter().map(rows::parameter)))
         p {
             "On the check recording, added to the others: "
             (format!("{check_before_nm:.3} → {check_after_nm:.3} N.m, "))
@@ -43,28 +40,13 @@ pub fn sentence(text: &str) -> String {
     format!("{first}{}.", letters.as_str().trim_end_matches('.'))
 }
 
-fn named(n: &Named) -> String {
-    format!("{} at {}", n.effect, words::place(&n.joints))
-}
-
-fn value(v: &Value) -> Vec<String> {
-    let [value, low, high] = to_uncertainty(v.value, v.low, v.high);
-    let bound = if v.at_bound { "at its bound" } else { "" };
-    vec![v.name.clone(), v.unit.clone(), value, low, high, bound.into()]
-}
-
 pub fn ranking(ranking: &[Ranked]) -> Markup {
     if ranking.is_empty() {
         return html! {};
     }
-    let special = |r: &&Ranked| ["none", "unknown"].contains(&r.effect.as_str());
-    let (special, effects): (Vec<&Ranked>, Vec<&Ranked>) = ranking.iter().partition(special);
-    let (first, rest) = effects.split_at(effects.len().min(RANKED));
-    let mut shown: Vec<&Ranked> = first.iter().copied().chain(special).collect();
-    shown.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-    let header = ["effect", "at", "probability", "gain fit", "check"];
+    let (shown, rest) = rows::ranked(ranking);
     html! {
-        (table(&header, 2, shown.into_iter().map(row)))
+        (table(&rows::CANDIDATES, 2, shown.into_iter().map(rows::candidate)))
         p.legend {
             "gain: in log-likelihood over the twin, on the recording searched and on the other. "
             "none: chance. unknown: a cause that is not in the catalogue. Probabilities sum to 1."
@@ -72,23 +54,10 @@ pub fn ranking(ranking: &[Ranked]) -> Markup {
         @if !rest.is_empty() {
             details {
                 summary { (rest.len()) " more" }
-                (table(&header, 2, rest.iter().copied().map(row)))
+                (table(&rows::CANDIDATES, 2, rest.iter().copied().map(rows::candidate)))
             }
         }
     }
-}
-
-fn row(r: &Ranked) -> Vec<String> {
-    let special = ["none", "unknown"].contains(&r.effect.as_str());
-    let place = if special { String::new() } else { words::place(&r.joints) };
-    let gain = |x: f64| if special { "-".into() } else { format!("{x:.1}") };
-    vec![
-        r.effect.clone(),
-        place,
-        words::percent(r.probability),
-        gain(r.gain_fit),
-        gain(r.gain_check),
-    ]
 }
 
 pub fn episodes(d: &Diagnosis) -> Markup {
@@ -102,38 +71,10 @@ pub fn episodes(d: &Diagnosis) -> Markup {
 }
 
 pub fn shrink(d: &Diagnosis) -> Markup {
-    let t = &d.shrink.torque;
-    let row = |what: String, before: f64, after: f64, share: String| {
-        vec![what, format!("{before:.3}"), format!("{after:.3}"), share]
-    };
-    let joints = t.joints.iter().map(|j| {
-        row(format!("joint {}", j.joint), j.before_nm, j.after_nm, words::percent(j.fraction))
-    });
-    let [share, low, high] = [t.fraction, t.low, t.high].map(words::percent);
-    let total =
-        row("all joints".into(), t.before_nm, t.after_nm, format!("{share} ({low} to {high})"));
-    let header = ["torque on the check recording", "before N.m", "after N.m", "of mean square"];
+    let above = words::percent(d.shrink.torque.reducible);
     html! {
-        (table(&header, 1, joints.chain([total])))
-        p { "Of what lies above the noise floor: " (words::percent(t.reducible)) "." }
-        (simulated(d))
+        (table(&rows::TORQUE, 1, rows::torque(d)))
+        p { "Of what lies above the noise floor: " (above) "." }
+        @if let Some(s) = &d.shrink.simulation { (table(&rows::SIMULATED, 1, rows::simulated(s))) }
     }
-}
-
-fn simulated(d: &Diagnosis) -> Markup {
-    let Some(s) = &d.shrink.simulation else { return html! {} };
-    let mrad = |rad: f64| format!("{:.3}", 1e3 * rad);
-    let nm = |nm: f64| format!("{nm:.3}");
-    let open =
-        format!("position {} s after a recorded state, driven by its torque, mrad", s.window_s);
-    let rows = [
-        ["position, closed loop, mrad".into(), mrad(s.before_rad), mrad(s.after_rad)],
-        ["torque, closed loop, N.m".into(), nm(s.torque_before_nm), nm(s.torque_after_nm)],
-        [open, mrad(s.open_loop_before_rad), mrad(s.open_loop_after_rad)],
-    ];
-    table(
-        &["twin simulated again, less recorded (rms)", "before", "after"],
-        1,
-        rows.map(|r| r.to_vec()),
-    )
 }

@@ -4,12 +4,11 @@ use maud::{Markup, html};
 
 use super::super::table::table;
 use crate::diagnosis::{Diagnosis, JointGap, JointTraces, Regime, Traces, words};
+use crate::report::diagnosis as rows;
 
 pub fn tables(d: &Diagnosis, traces: &Traces) -> Markup {
-    let header =
-        ["joint", "gap N.m", "90 % low", "high", "noise floor N.m", "floor from", "share of all"];
     html! {
-        (table(&header, 1, d.gap.joints.iter().map(joint)))
+        (table(&rows::GAP, 1, d.gap.joints.iter().map(rows::gap)))
         p.legend {
             "Recorded torque less the twin's on the check recording, root mean square where the joint "
             "slides; what the twin leaves open is fitted first."
@@ -21,18 +20,6 @@ pub fn tables(d: &Diagnosis, traces: &Traces) -> Markup {
             }
         }
     }
-}
-
-fn joint(j: &JointGap) -> Vec<String> {
-    vec![
-        j.joint.to_string(),
-        format!("{:.3}", j.rms_nm),
-        format!("{:.3}", j.low_nm),
-        format!("{:.3}", j.high_nm),
-        format!("{:.3}", j.noise_floor_nm),
-        j.floor_from.clone(),
-        words::percent(j.share),
-    ]
 }
 
 fn regimes(joint: &JointGap, traces: Option<&JointTraces>) -> Markup {
