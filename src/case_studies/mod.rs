@@ -6,6 +6,7 @@
 
 pub mod figures;
 pub mod motor;
+mod numbers;
 pub mod page;
 pub mod paper;
 pub mod ur5;

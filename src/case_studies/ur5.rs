@@ -25,7 +25,7 @@ pub struct Study {
 }
 
 /// A power of the velocity that one joint does not show.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Dropped {
     /// From 1 at the base.
     pub joint: usize,

@@ -1,13 +1,12 @@
 //! `armtwin accuracy`: how far the simulated ground truth can be trusted.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::Context;
 use indicatif::ProgressBar;
 
+use super::save;
 use crate::effects::JointLoad;
-use crate::files::write_whole;
 use crate::robot::{self, Robot};
 use crate::simulation::accuracy::{Bench, Costs, Friction, Study};
 use crate::simulation::{Experiment, Plant, Reference, Scenario, Simulation};
@@ -37,22 +36,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let costs = costs(&robot, &made)?;
     bar.finish_and_clear();
     if let Some(json) = &args.json {
-        let all =
-            serde_json::json!({ "schema": "armtwin.accuracy/1", "study": study, "costs": costs });
-        write(json, &format!("{all:#}\n"))?;
+        let all = serde_json::json!({ "study": study, "costs": costs });
+        save::json(json, "armtwin.accuracy/1", &all)?;
     }
     match &args.out {
-        Some(out) => write(out, &study.page(&costs)),
+        Some(out) => save::text(out, &study.page(&costs)),
         None => {
             print!("{}", study.page(&costs));
             Ok(())
         }
     }
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    write_whole(path, |out| out.write_all(text.as_bytes()))
-        .with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// Steps timed together; of many such batches the fastest counts, which others on the machine

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use indicatif::ProgressBar;
 
+use super::save;
 use crate::case_studies::figures::{self, Figure};
 use crate::case_studies::motor::of_motor;
 use crate::case_studies::page::Page;
 use crate::case_studies::ur5::{self, Study};
 use crate::case_studies::versus::{Duel, duel};
-use crate::files::write_whole;
 use crate::identification::{Terms, assemble};
 use crate::motor::dependence::dependence;
 use crate::motor::render;
@@ -44,6 +44,9 @@ pub struct Args {
     /// Seeds and starts in the comparison of PSO with NLSE
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..))]
     seeds: u64,
+    /// Write every estimate and duel of the UR5 as JSON (the DC motor's: armtwin motor --json)
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 const SCENARIO: &str = "scenarios/ur5_paper.toml";
@@ -92,6 +95,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         figures: &all,
         motor: motor(args)?,
     };
+    if let Some(path) = &args.json {
+        save::json(path, "armtwin.case_studies/1", &page.numbers())?;
+    }
     let text = page.markdown();
     bar.finish_and_clear();
     write(&args.out, &text, &all)?;
@@ -164,12 +170,7 @@ fn write(out: &Path, page: &str, all: &[Figure]) -> anyhow::Result<()> {
     let folder = out.join(figures::FOLDER);
     fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
     for figure in all {
-        save(&folder.join(&figure.file), &figure.svg)?;
+        save::text(&folder.join(&figure.file), &figure.svg)?;
     }
-    save(&out.join("case-studies.md"), page)
-}
-
-fn save(path: &Path, text: &str) -> anyhow::Result<()> {
-    write_whole(path, |out| out.write_all(text.as_bytes()))
-        .with_context(|| format!("cannot write {}", path.display()))
+    save::text(&out.join("case-studies.md"), page)
 }

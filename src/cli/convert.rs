@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use anyhow::bail;
+use serde::Serialize;
 
-use crate::recording::{self, Delimiter, WriteOptions};
+use super::save;
+use crate::recording::{self, Delimiter, Provenance, WriteOptions};
 
 /// Convert a recording of any supported format into another
 #[derive(clap::Args)]
@@ -28,6 +30,22 @@ pub struct Args {
     /// Between the columns of a CSV that is written
     #[arg(long, value_enum, default_value = "comma")]
     delimiter: Between,
+    /// Write what was read and written as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Of `--json`.
+#[derive(Serialize)]
+struct Converted<'a> {
+    #[serde(flatten)]
+    from: &'a Provenance,
+    out: String,
+    samples: usize,
+    /// s
+    start: Option<f64>,
+    end: Option<f64>,
+    columns: Vec<&'a str>,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -60,6 +78,13 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let options = WriteOptions { delimiter: Some(args.delimiter.into()) };
     recording::write(&recording, &args.out, &options)?;
     let (rows, columns) = (recording.time.len(), recording.channels.len() + 1);
+    if let Some(path) = &args.json {
+        let (start, end) = (recording.time.first().copied(), recording.time.last().copied());
+        let columns = recording.channels.iter().map(|c| c.name.as_str()).collect();
+        let (from, out) = (&recording.provenance, args.out.display().to_string());
+        let converted = Converted { from, out, samples: rows, start, end, columns };
+        save::json(path, "armtwin.conversion/1", &converted)?;
+    }
     println!("{}: {rows} samples, {columns} columns", args.out.display());
     Ok(())
 }

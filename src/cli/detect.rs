@@ -3,12 +3,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
+use super::save;
 use crate::effects::{self, CATALOGUE, Effect};
-use crate::files::write_whole;
 use crate::report::markdown_table;
 use crate::simulation::Scenario;
 use crate::studies::detectability::{
@@ -64,17 +64,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         .collect::<anyhow::Result<_>>()?;
     bar.finish_and_clear();
     if let Some(path) = &args.json {
-        let all = serde_json::json!({
-            "schema": "armtwin.detectability/1",
-            "version": env!("CARGO_PKG_VERSION"),
-            "settings": &settings,
-            "effects": &measured,
-        });
-        write(path, &format!("{all:#}\n"))?;
+        let all = serde_json::json!({ "settings": &settings, "effects": &measured });
+        save::json(path, "armtwin.detectability/1", &all)?;
     }
     let page = page(&settings, &measured);
     match &args.out {
-        Some(path) => write(path, &page),
+        Some(path) => save::text(path, &page),
         None => {
             print!("{page}");
             Ok(())
@@ -112,7 +107,7 @@ fn measured(
     let found = detectability(effect, &scenario, &file.display().to_string(), settings)?;
     if let Some(path) = kept {
         path.parent().map_or(Ok(()), fs::create_dir_all)?;
-        write(&path, &format!("{:#}\n", serde_json::to_value(&found)?))?;
+        save::document(&path, &found)?;
     }
     Ok(found)
 }
@@ -120,11 +115,6 @@ fn measured(
 fn progress(effects: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("effect {pos} of {len} {wide_bar} {eta} left");
     ProgressBar::new(effects).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    write_whole(path, |out| out.write_all(text.as_bytes()))
-        .with_context(|| format!("cannot write {}", path.display()))
 }
 
 fn page(settings: &Settings, measured: &[Detectability]) -> String {

@@ -1,12 +1,9 @@
 //! `armtwin export`: a twin as a model for another simulator.
 
-use std::io::Write;
 use std::path::PathBuf;
 
-use anyhow::Context;
-
+use super::save;
 use crate::export::{Target, export};
-use crate::files::write_whole;
 use crate::twin::Twin;
 
 /// Write a twin as a model for another simulator: URDF or MuJoCo's MJCF
@@ -29,6 +26,9 @@ pub struct Args {
     /// Write here instead of standard output
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write what the file cannot hold as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -47,10 +47,17 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     for left in &exported.left {
         eprintln!("note: not in the file: {left}");
     }
-    let text = exported.text.as_bytes();
-    let Some(out) = &args.out else {
-        return Ok(std::io::stdout().write_all(text)?);
-    };
-    write_whole(out, |w| w.write_all(text))
-        .with_context(|| format!("{}: cannot write it; choose another -o FILE", out.display()))
+    if let Some(path) = &args.json {
+        let all = serde_json::json!({
+            "twin": args.twin, "format": target, "out": args.out, "left": exported.left,
+        });
+        save::json(path, "armtwin.export/1", &all)?;
+    }
+    match &args.out {
+        Some(out) => save::text(out, &exported.text),
+        None => {
+            print!("{}", exported.text);
+            Ok(())
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::save;
 use crate::recording;
 use crate::recording::inspection::{Inspection, JointMotion, JointSignal, Signal, inspect};
 use crate::report::table;
@@ -30,11 +31,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let recording = recording::read(&args.recording, args.columns.as_deref())?;
     let inspection = inspect(&recording);
     if let Some(path) = &args.json {
-        crate::files::write_whole(path, |out| {
-            serde_json::to_writer_pretty(&mut *out, &inspection)?;
-            writeln!(out)
-        })
-        .map_err(|e| anyhow::anyhow!("{}: cannot be written: {e}", path.display()))?;
+        save::document(path, &inspection)?;
     }
     print!("{}", page(&inspection));
     Ok(())

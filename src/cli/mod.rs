@@ -22,6 +22,7 @@ mod motor;
 mod progress;
 mod recovery;
 mod robots;
+mod save;
 mod simulate;
 mod stream;
 mod study;

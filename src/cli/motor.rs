@@ -1,15 +1,14 @@
 //! `armtwin motor`: the DC-motor case study.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use super::interrupt;
-use crate::files::write_whole;
+use super::{interrupt, save};
 use crate::motor::dependence::dependence;
 use crate::motor::fit::Tick;
 use crate::motor::model::{NAMES, position};
@@ -76,8 +75,6 @@ enum ChannelName {
 
 #[derive(Serialize)]
 struct Document<'a> {
-    schema: &'static str,
-    version: &'static str,
     seed: u64,
     scenarios: &'a [ScenarioReport],
     #[serde(skip_serializing_if = "<[Study]>::is_empty")]
@@ -101,7 +98,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(path) = &args.report {
         let top: Vec<f64> =
             scenarios.iter().map(|s| top_speed(s, args.seed)).collect::<anyhow::Result<_>>()?;
-        save(path, &motor_report(&reports, &top))?;
+        save::text(path, &motor_report(&reports, &top))?;
     }
     let text: String = reports.iter().map(render::markdown).collect();
     save_all(args, &text, &reports, &[])
@@ -143,12 +140,11 @@ fn save_all(
     studies: &[Study],
 ) -> anyhow::Result<()> {
     if let Some(path) = &args.markdown {
-        save(path, markdown)?;
+        save::text(path, markdown)?;
     }
     if let Some(path) = &args.json {
-        let (schema, version) = ("armtwin.motor/1", env!("CARGO_PKG_VERSION"));
-        let document = Document { schema, version, seed: args.seed, scenarios, studies };
-        save(path, &(serde_json::to_string_pretty(&document)? + "\n"))?;
+        let document = Document { seed: args.seed, scenarios, studies };
+        save::json(path, "armtwin.motor/1", &document)?;
     }
     Ok(())
 }
@@ -227,9 +223,4 @@ fn parse_given(text: &str) -> Result<(usize, f64), String> {
         .ok_or_else(|| format!("unknown parameter {name}: known are {}", NAMES.join(", ")))?;
     let value = value.trim().parse().map_err(|_| format!("{value} is not a number"))?;
     Ok((k, value))
-}
-
-fn save(path: &Path, text: &str) -> anyhow::Result<()> {
-    write_whole(path, |out| out.write_all(text.as_bytes()))
-        .with_context(|| format!("cannot write {}", path.display()))
 }

@@ -1,12 +1,12 @@
 //! `armtwin recovery`: do identified parameters come back, do intervals keep their promise?
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
-use crate::files::write_whole;
+use super::save;
 use crate::identification::LEVEL;
 use crate::simulation::Scenario;
 use crate::studies::recovery::{self, Recovered, Summary, Trial, conditioning, summarise};
@@ -50,17 +50,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     bar.finish_and_clear();
     if let Some(path) = &args.json {
         let all = serde_json::json!({
-            "schema": "armtwin.recovery/1",
-            "version": env!("CARGO_PKG_VERSION"),
             "scenario": &scenario,
             "conditioning": conditioning(),
             "trials": &trials,
         });
-        write(path, &format!("{all:#}\n"))?;
+        save::json(path, "armtwin.recovery/1", &all)?;
     }
     let page = page(&file, &scenario, &trials)?;
     match &args.out {
-        Some(path) => write(path, &page),
+        Some(path) => save::text(path, &page),
         None => {
             print!("{page}");
             Ok(())
@@ -71,11 +69,6 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 fn progress(seeds: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("seed {pos} of {len} {wide_bar} {eta} left");
     ProgressBar::new(seeds).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    write_whole(path, |out| out.write_all(text.as_bytes()))
-        .with_context(|| format!("cannot write {}", path.display()))
 }
 
 fn page(file: &str, scenario: &Scenario, trials: &[Trial]) -> anyhow::Result<String> {

@@ -8,7 +8,7 @@ use anyhow::{Context, bail};
 use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::files::write_whole;
+use super::save;
 use crate::studies::StudyError;
 use crate::studies::sweep::{self, Page, Question, Ran, Shard, Store, Study, Table};
 
@@ -40,6 +40,9 @@ pub struct Args {
     /// Only this cell (from 0), alone in this process
     #[arg(long, value_name = "CELL", conflicts_with_all = ["shard", "jobs"])]
     cell: Option<usize>,
+    /// Write how many cells there are, were made now, and how fast, as JSON
+    #[arg(long, value_name = "FILE", conflicts_with = "cell")]
+    json: Option<PathBuf>,
     #[command(subcommand)]
     after: Option<After>,
 }
@@ -101,7 +104,15 @@ fn cells(args: &Args, file: &Path, out: &Path) -> anyhow::Result<()> {
     let ran = work(args, &study, &store, &todo, left)?;
     println!("{}", speed(&ran));
     let tables = store.join()?;
-    match finished.len() + ran.cells == study.cells() {
+    let complete = finished.len() + ran.cells == study.cells();
+    if let Some(path) = &args.json {
+        let all = serde_json::json!({
+            "study": file, "out": out, "cells": study.cells(), "kept": finished.len(),
+            "complete": complete, "ran": ran,
+        });
+        save::json(path, "armtwin.study/1", &all)?;
+    }
+    match complete {
         true => report(out, &study, &tables),
         false => {
             println!("{}: this shard is done; join all with `armtwin study merge`", out.display());
@@ -175,9 +186,9 @@ fn peak_bytes() -> u64 {
 fn report(out: &Path, study: &Study, [cells, timings]: &[Table; 2]) -> anyhow::Result<()> {
     let Page { text, figures } = sweep::summarise(study, cells, timings)?;
     for (name, svg) in &figures {
-        write(&out.join(name), svg)?;
+        save::text(&out.join(name), svg)?;
     }
-    write(&out.join("summary.md"), &text)?;
+    save::text(&out.join("summary.md"), &text)?;
     let names: Vec<&str> = figures.iter().map(|(name, _)| name.as_str()).collect();
     println!("{}: summary.md, {}", out.display(), names.join(", "));
     Ok(())
@@ -202,9 +213,4 @@ fn progress(cells: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("cell {pos} of {len} {wide_bar} {eta} left");
     ProgressBar::new(cells as u64)
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    write_whole(path, |out| out.write_all(text.as_bytes()))
-        .with_context(|| format!("cannot write {}", path.display()))
 }

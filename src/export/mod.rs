@@ -12,7 +12,8 @@ pub use plan::{JointPlan, Left, Load, Plan};
 use crate::twin::Twin;
 
 /// What a twin can be written as.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Target {
     Mjcf,
     Urdf,

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use nalgebra::Vector3;
+use serde::{Serialize, Serializer};
 
 use crate::effects::{About, Effect, Parameter, Role, Scope};
 use crate::robot::Robot;
@@ -52,14 +53,19 @@ pub struct JointPlan {
 }
 
 /// Something of the twin that is not in a file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Left {
     pub effect: String,
-    /// From 0; empty for the whole arm.
+    /// From 0, in files from 1; empty for the whole arm.
+    #[serde(serialize_with = "from_one")]
     pub joints: Vec<usize>,
     /// "mass = 2 kg, ..."; empty where there is nothing to say.
     pub values: String,
     pub why: String,
+}
+
+fn from_one<S: Serializer>(joints: &[usize], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(joints.iter().map(|j| j + 1))
 }
 
 impl fmt::Display for Left {

@@ -10,6 +10,7 @@ mod effects;
 mod export;
 mod guide;
 mod identify;
+mod json;
 #[cfg(feature = "viewer")]
 mod live;
 mod mcmc;

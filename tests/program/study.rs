@@ -124,7 +124,7 @@ snr_db = [10, 20, 30, "none"]
 method = ["nlse"]
 "#;
 
-fn quick(folder: &Path) -> PathBuf {
+pub fn quick(folder: &Path) -> PathBuf {
     let file = folder.join("quick.toml");
     fs::write(&file, QUICK).unwrap();
     file

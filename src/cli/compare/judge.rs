@@ -1,10 +1,7 @@
 //! How far twin and recording are apart, joint by joint.
 
-use std::path::Path;
-
 use serde::Serialize;
 
-use crate::files::write_whole;
 use crate::report::table;
 use crate::series::JointSeries;
 use crate::signals::Samples;
@@ -113,14 +110,6 @@ impl Row {
 }
 
 impl Report {
-    /// As JSON, whole or not at all.
-    pub fn save(&self, path: &Path) -> std::io::Result<()> {
-        write_whole(path, |out| {
-            serde_json::to_writer_pretty(&mut *out, self)?;
-            writeln!(out)
-        })
-    }
-
     /// For a terminal.
     pub fn table(&self) -> String {
         let rows = table(&HEADER, 2, self.joints.iter().map(Row::cells));

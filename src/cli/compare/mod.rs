@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use super::conditioning::ConditioningArgs;
 use super::stream::StreamArgs;
 #[cfg(feature = "viewer")]
-use super::view;
+use super::{save, view};
 
 /// Show the twin beside a recording: the arm twice in 3D, torques, angles, residuals
 #[derive(clap::Args)]
@@ -79,7 +79,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     compared.notes.iter().for_each(|note| println!("  {note}"));
     println!("\n{}", compared.report.table());
     if let Some(path) = &args.json {
-        compared.report.save(path).with_context(|| format!("--json {}", path.display()))?;
+        save::document(path, &compared.report)?;
     }
     write_rrd(&compared.scene, &args.out)?;
     println!("\n{}: open it with the viewer, `rerun {}`", args.out.display(), args.out.display());

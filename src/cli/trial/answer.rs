@@ -7,6 +7,7 @@ use anyhow::Context;
 use rayon::prelude::*;
 
 use super::{on_threads, progress};
+use crate::cli::save;
 use crate::trials::{Answer, answer, case_folders, write_json};
 
 /// Diagnose every case of a trial, each from its own folder alone
@@ -28,6 +29,9 @@ pub struct Args {
     /// Answer again what is answered already
     #[arg(long)]
     again: bool,
+    /// Write which answers were kept and which failed as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -43,16 +47,22 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let done: Vec<Done> =
         on_threads(args.jobs, || folders.par_iter().map(one).collect::<anyhow::Result<_>>())?;
     bar.finish_and_clear();
+    if let Some(path) = &args.json {
+        let all = serde_json::json!({ "cases": args.cases, "out": out, "answers": done });
+        save::json(path, "armtwin.answers/1", &all)?;
+    }
     let count = |which: fn(&Done) -> bool| done.iter().filter(|d| which(d)).count();
     let (kept, failed) = (count(|d| d.kept), count(|d| d.failed.is_some()));
     println!("{}: {} answers, {kept} of them kept, {failed} failed", out.display(), done.len());
-    if let Some(why) = done.iter().find_map(|d| d.failed.as_ref()) {
-        println!("first failure: {why}");
+    if let Some((case, why)) = done.iter().find_map(|d| Some((&d.case, d.failed.as_ref()?))) {
+        println!("first failure: {case}: {why}");
     }
     Ok(())
 }
 
+#[derive(serde::Serialize)]
 struct Done {
+    case: String,
     kept: bool,
     failed: Option<String>,
 }
@@ -61,9 +71,9 @@ fn answered(folder: &Path, out: &Path, again: bool) -> anyhow::Result<Done> {
     let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let file = out.join(format!("{name}.json"));
     if !again && Answer::kept(&file, folder).is_some() {
-        return Ok(Done { kept: true, failed: None });
+        return Ok(Done { case: name, kept: true, failed: None });
     }
     let answer = answer(folder).with_context(|| name.clone())?;
     write_json(&file, &answer)?;
-    Ok(Done { kept: false, failed: answer.failed.map(|why| format!("{name}: {why}")) })
+    Ok(Done { case: name, kept: false, failed: answer.failed })
 }

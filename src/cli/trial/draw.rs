@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::bail;
 
 use super::{on_threads, progress};
+use crate::cli::save;
 use crate::trials::{Draw, Names, draw, import};
 
 /// Make cases with sealed labels, or take cases made elsewhere
@@ -49,6 +50,9 @@ pub struct Args {
     /// How well it is told that their centres are known, m [default: as drawn]
     #[arg(long, value_name = "M")]
     centre_error: Option<f64>,
+    /// Write how many cases were drawn, and how, as JSON; no labels
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -63,18 +67,23 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let told = &mut how.settings;
     told.mass_error = args.mass_error.unwrap_or(told.mass_error);
     told.centre_error_m = args.centre_error.unwrap_or(told.centre_error_m);
-    let cases = match &args.from {
+    let seals = match &args.from {
         Some(from) => {
             let names = args.names.as_deref().map(Names::load).transpose()?.unwrap_or_default();
-            import(from, out, &names, &how.settings)?.cases()
+            import(from, out, &names, &how.settings)?
         }
         None => {
             let bar = progress(how.cases, "drawing");
             let seals = on_threads(args.jobs, || Ok(draw(&how, out, &|| bar.inc(1))?))?;
             bar.finish_and_clear();
-            seals.cases()
+            seals
         }
     };
+    let cases = seals.cases();
+    if let Some(path) = &args.json {
+        let all = serde_json::json!({ "out": out, "cases": cases, "made": seals.made });
+        save::json(path, "armtwin.draw/1", &all)?;
+    }
     println!("{}: {cases} cases, sealed", out.display());
     Ok(())
 }

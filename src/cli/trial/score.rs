@@ -1,10 +1,10 @@
 //! `armtwin trial score`: the seals opened.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 
-use crate::files::write_whole;
+use crate::cli::save;
 use crate::trials::{Chapter, Seals, goals, page, score};
 
 /// Open the seals and hold the answers against them
@@ -45,14 +45,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
                 })
             })
             .collect();
-        let all = serde_json::json!({
-            "schema": "armtwin.score/1", "version": env!("CARGO_PKG_VERSION"), "trials": trials,
-        });
-        write(path, &format!("{all:#}\n"))?;
+        save::json(path, "armtwin.score/1", &serde_json::json!({ "trials": trials }))?;
     }
     let page = page(&command(args), &chapters);
     match &args.out {
-        Some(path) => write(path, &page),
+        Some(path) => save::text(path, &page),
         None => {
             print!("{page}");
             Ok(())
@@ -66,9 +63,4 @@ fn command(args: &Args) -> String {
     let folders: Vec<String> = args.folders.iter().map(name).collect();
     let out = args.out.as_ref().map_or(String::new(), |p| format!(" --out {}", name(p)));
     format!("armtwin trial score {}{out}", folders.join(" "))
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    write_whole(path, |out| out.write_all(text.as_bytes()))
-        .with_context(|| format!("cannot write {}", path.display()))
 }

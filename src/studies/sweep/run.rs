@@ -16,7 +16,7 @@ use crate::studies::StudyError;
 pub type Alone<'a> = &'a (dyn Fn(usize) -> Result<(), StudyError> + Sync);
 
 /// What was done and how fast.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct Ran {
     pub cells: usize,
     /// Wall clock.

@@ -1,0 +1,65 @@
+//! What the page shows of the UR5, for programs.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::page::Page;
+use super::ur5::{Dropped, Study};
+use super::versus::Duel;
+use crate::identification::{LEVEL, MethodResult};
+
+#[derive(Serialize)]
+pub struct Numbers<'a> {
+    /// How they were made.
+    command: &'a str,
+    /// Of the intervals.
+    level: f64,
+    /// True values of the synthetic recording, base to wrist.
+    injected: &'a BTreeMap<&'static str, Vec<f64>>,
+    studies: Vec<Estimates<'a>>,
+    duels: Vec<Law<'a>>,
+    figures: Vec<&'a str>,
+}
+
+#[derive(Serialize)]
+struct Estimates<'a> {
+    name: &'a str,
+    fit: &'a str,
+    check: &'a str,
+    /// Of all terms.
+    methods: &'a [MethodResult],
+    /// Without the dropped ones.
+    reduced: &'a MethodResult,
+    dropped: &'a [Dropped],
+}
+
+#[derive(Serialize)]
+struct Law<'a> {
+    law: &'a str,
+    joints: &'a [Duel],
+}
+
+impl Page<'_> {
+    pub fn numbers(&self) -> Numbers<'_> {
+        Numbers {
+            command: &self.command,
+            level: LEVEL,
+            injected: &self.injected,
+            studies: std::iter::once(self.synthetic).chain(self.real).map(estimates).collect(),
+            duels: self.duels.iter().map(|(law, joints)| Law { law, joints }).collect(),
+            figures: self.figures.iter().map(|f| f.file.as_str()).collect(),
+        }
+    }
+}
+
+fn estimates(study: &Study) -> Estimates<'_> {
+    Estimates {
+        name: study.name,
+        fit: &study.fit.source,
+        check: &study.check.source,
+        methods: &study.results,
+        reduced: &study.reduced,
+        dropped: &study.dropped,
+    }
+}
