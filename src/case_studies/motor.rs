@@ -1,19 +1,14 @@
 //! Figures of the first case study: the motor's voltage, its speed measured and calculated.
 
 use super::figures::{Figure, FigureError, Line, Panel, draw};
-use crate::motor::Motor;
-use crate::motor::experiment::Record;
-use crate::motor::model::COUNT;
-use crate::motor::report::{Method, MotorError, recordings, run};
+use crate::motor::report::{Method, MotorError, run};
 use crate::motor::scenario::Scenario;
-use crate::motor::simulate::{Accuracy, Failure, Output, simulate};
+use crate::motor::series::{Series, series};
 
 #[derive(Debug, thiserror::Error)]
 pub enum MotorFigureError {
     #[error(transparent)]
     Motor(#[from] MotorError),
-    #[error("the identified motor cannot be simulated: {0}")]
-    Simulation(Failure),
     #[error(transparent)]
     Figure(#[from] FigureError),
 }
@@ -24,42 +19,34 @@ pub enum MotorFigureError {
 /// If the scenario cannot be identified or drawn.
 pub fn of_motor(scenario: &Scenario, seed: u64) -> Result<Vec<Figure>, MotorFigureError> {
     let report = run(scenario, &[Method::Nlse], seed, &|| {})?;
-    let mut values = [0.0; COUNT];
-    for method in &report.methods {
-        values.iter_mut().zip(&method.parameters).for_each(|(v, p)| *v = p.value);
-    }
-    let motor = Motor::from_array(&values);
-    let [fit, check] = recordings(scenario, seed)?;
-    let one = |(record, what): (&Record, &str)| -> Result<Figure, MotorFigureError> {
+    let one = |s: &Series| -> Result<Figure, MotorFigureError> {
+        let what = s.recording;
         let file = format!("motor_{}_{what}.svg", scenario.number);
         let caption = format!(
             "As Figs. 5 to 10: voltage, speed measured and calculated, error; scenario {}, {what}.",
             scenario.number
         );
-        let mut calculated = Output::default();
-        simulate(&motor, &record.input, Accuracy::TRUTH, &mut calculated)
-            .map_err(MotorFigureError::Simulation)?;
-        Ok(Figure { file, caption, svg: draw(&panels(record, &calculated), 3)? })
+        Ok(Figure { file, caption, svg: draw(&panels(s), 3)? })
     };
-    [(&fit, "identification"), (&check, "verification")].into_iter().map(one).collect()
+    series(scenario, &report)?.iter().map(one).collect()
 }
 
-fn panels(record: &Record, calculated: &Output) -> [Panel; 3] {
-    let dt = record.input.sample_time;
+fn panels(s: &Series) -> [Panel; 3] {
     let line = |label: &str, colour, y: Vec<f64>| {
-        let points = y.into_iter().enumerate().map(|(k, y)| ((k + 1) as f64 * dt, y)).collect();
-        Line::new(label, colour, points)
+        Line::new(label, colour, s.time.iter().copied().zip(y).collect())
     };
-    let held = record.input.holds.iter();
-    let voltage = held.flat_map(|h| std::iter::repeat_n(h.voltage, h.samples)).collect();
-    let measured = &record.measured.omega;
-    let error = measured.iter().zip(&calculated.omega).map(|(m, c)| m - c).collect();
-    let speeds =
-        vec![line("measured", 5, measured.clone()), line("NLSE", 0, calculated.omega.clone())];
+    let measured = &s.measured.omega;
+    let mut speeds = vec![line("measured", 5, measured.clone())];
+    let mut errors = Vec::new();
+    for (_, calculated) in &s.calculated {
+        speeds.push(line("NLSE", 0, calculated.omega.clone()));
+        let error = measured.iter().zip(&calculated.omega).map(|(m, c)| m - c).collect();
+        errors.push(line("", 3, error));
+    }
     [
-        ("Voltage", "V", vec![line("", 0, voltage)]),
+        ("Voltage", "V", vec![line("", 0, s.voltage.clone())]),
         ("Speed", "rad/s", speeds),
-        ("Error", "rad/s", vec![line("", 3, error)]),
+        ("Error", "rad/s", errors),
     ]
     .map(|(title, up, lines)| Panel {
         title: title.into(),

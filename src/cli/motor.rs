@@ -13,8 +13,9 @@ use crate::motor::dependence::dependence;
 use crate::motor::fit::Tick;
 use crate::motor::model::{NAMES, position};
 use crate::motor::render;
-use crate::motor::report::{Method, ScenarioReport, recordings, run as identify};
+use crate::motor::report::{Method, ScenarioReport, run as identify};
 use crate::motor::scenario::{Channel, SHIPPED, Scenario};
+use crate::motor::series::series;
 use crate::motor::study::{Study, grid, study};
 use crate::report::html::motor_report;
 
@@ -96,18 +97,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         reports.push(report);
     }
     if let Some(path) = &args.report {
-        let top: Vec<f64> =
-            scenarios.iter().map(|s| top_speed(s, args.seed)).collect::<anyhow::Result<_>>()?;
-        save::text(path, &motor_report(&reports, &top))?;
+        let each = scenarios.iter().zip(&reports);
+        let all = each.map(|(s, r)| series(s, r)).collect::<Result<Vec<_>, _>>()?;
+        save::text(path, &motor_report(&reports, &all))?;
     }
     let text: String = reports.iter().map(render::markdown).collect();
     save_all(args, &text, &reports, &[])
-}
-
-/// Of the recording that is identified from, rad/s.
-fn top_speed(scenario: &Scenario, seed: u64) -> anyhow::Result<f64> {
-    let [identification, _] = recordings(scenario, seed)?;
-    Ok(identification.measured.omega.iter().fold(0.0, |top, w| w.abs().max(top)))
 }
 
 fn run_studies(scenarios: &[Scenario], args: &Args) -> anyhow::Result<()> {

@@ -246,7 +246,7 @@ fn blame_curve(
     let slow = problem.speed.iter().filter(|&&w| w < 2.0 * velocity).count();
     let why = if reached(&curve.velocity, velocity) {
         Some(format!(
-            "the Stribeck velocity stands on its bound {velocity} rad/s: the curve is as narrow \
+            "the Stribeck velocity stands on its bound {velocity:.4} rad/s: the curve is as narrow \
              or as wide as allowed, not a dip these data show"
         ))
     } else if slow < FEWEST_SLOW {

@@ -15,6 +15,7 @@ pub mod render;
 pub mod report;
 pub mod scenario;
 pub mod sensitivity;
+pub mod series;
 pub mod simulate;
 pub mod study;
 

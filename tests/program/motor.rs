@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::armtwin;
+use crate::{armtwin, browser};
 
 /// A shipped scenario with a shorter recording and an easier search.
 fn shortened(folder: &Path, number: usize) -> PathBuf {
@@ -107,4 +107,25 @@ fn wrong_usage_and_bad_scenarios_end_with_one_message() {
         assert!(ran.stderr.contains(says) && ran.stdout.is_empty(), "{}", ran.stderr);
     }
     assert!(!json.exists());
+}
+
+/// Both scenarios' sections, friction and the recording for verification drawn; the other one is
+/// there, closed.
+#[test]
+fn the_report_shows_what_was_measured_and_calculated_over_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = shortened(folder.path(), 2);
+    let page = folder.path().join("report.html");
+    let arguments = ["motor", scenario.to_str().unwrap(), "--report", page.to_str().unwrap()];
+    let ran = armtwin(&arguments);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let text = fs::read_to_string(&page).unwrap();
+    for recording in ["verification", "identification"] {
+        assert!(text.contains(&format!("The recording for {recording}")));
+    }
+    // Voltage; speed, current and torque, each with its error.
+    assert_eq!(text.matches("over time / s\"").count(), 2 * 7);
+    let title = "\"title\":{\"text\":\"Speed: error\"";
+    assert!(text.replace(' ', "").contains(&title.replace(' ', "")), "no errors of the speed");
+    browser::assert_sound(&page, &["scenario-1", "about"], 1 + 7);
 }

@@ -162,6 +162,24 @@ impl Band {
     }
 }
 
+/// Of every of `places` stretches of the same length the least and the largest value, in the order
+/// they come: peaks stay.
+pub fn thinned(x: &[f64], y: &[f64], places: usize) -> [Vec<f64>; 2] {
+    let stretch = y.len().div_ceil(places.max(1)).max(1);
+    if stretch <= 2 {
+        return [x.to_vec(), y.to_vec()];
+    }
+    let kept = y.chunks(stretch).enumerate().flat_map(|(place, values)| {
+        let by_value = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
+        let least = (0..values.len()).min_by(by_value).unwrap_or(0);
+        let largest = (0..values.len()).max_by(by_value).unwrap_or(0);
+        [least.min(largest), least.max(largest)].map(|k| place * stretch + k)
+    });
+    let mut kept: Vec<usize> = kept.collect();
+    kept.dedup();
+    [x, y].map(|series| kept.iter().map(|k| series[*k]).collect())
+}
+
 /// To [`DIGITS`] digits.
 pub fn rounded(x: f64) -> f64 {
     if x == 0.0 || !x.is_finite() {

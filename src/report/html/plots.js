@@ -19,20 +19,22 @@
     return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, coloured(v, style)]));
   };
 
-  const draw = plot => {
+  // On paper nothing is fitted to its place afterwards: plots get their size when they are drawn.
+  const draw = (plot, onPaper) => {
     const style = getComputedStyle(document.documentElement);
     const { data, layout, config } =
       coloured(JSON.parse(plot.querySelector("script").textContent), style);
     if (touch) layout.dragmode = false;
     const target = plot.querySelector("div");
-    (drawn.has(plot) ? Plotly.react : Plotly.newPlot)(target, data, layout, config);
+    if (onPaper) [layout.width, layout.height] = [target.clientWidth, target.clientHeight];
+    Plotly.newPlot(target, data, layout, config);
     drawn.add(plot);
   };
-  const redraw = () => drawn.forEach(draw);
+  const redraw = () => drawn.forEach(plot => draw(plot, false));
 
   const near = new IntersectionObserver(entries => {
     for (const { isIntersecting, target } of entries) {
-      if (isIntersecting && !drawn.has(target)) draw(target);
+      if (isIntersecting && !drawn.has(target)) draw(target, false);
     }
   }, { rootMargin: "600px" });
   plots.forEach(plot => near.observe(plot));
@@ -40,9 +42,9 @@
 
   // Paper is white and has everything on it.
   addEventListener("beforeprint", () => {
-    document.documentElement.dataset.theme = "light";
+    document.documentElement.dataset.theme = "paper";
     document.querySelectorAll("details").forEach(d => { d.open = true; });
-    plots.forEach(draw);
+    plots.forEach(plot => draw(plot, true));
   });
   addEventListener("afterprint", () => {
     delete document.documentElement.dataset.theme;

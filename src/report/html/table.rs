@@ -5,6 +5,8 @@ use maud::{Markup, html};
 /// The first `left` columns are text, the rest numbers.
 pub fn table(header: &[&str], left: usize, rows: impl IntoIterator<Item = Vec<String>>) -> Markup {
     let class = |i: usize| (i < left).then_some("text");
+    // Only these may be broken where a page is narrow: a number is not.
+    let of_cell = |i: usize, cell: &str| class(i).or(cell.contains(' ').then_some("words"));
     html! {
         div.wide {
             table {
@@ -15,7 +17,7 @@ pub fn table(header: &[&str], left: usize, rows: impl IntoIterator<Item = Vec<St
                     @for row in rows {
                         tr {
                             @for (i, cell) in row.iter().enumerate() {
-                                td class=[class(i)] { (cell) }
+                                td class=[of_cell(i, cell)] { (cell) }
                             }
                         }
                     }

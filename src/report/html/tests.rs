@@ -3,7 +3,7 @@
 use maud::html;
 
 use super::frame::{Page, Section};
-use super::plot::{AFTER, Band, Curve, Plot, rounded};
+use super::plot::{AFTER, Band, Curve, Plot, rounded, thinned};
 
 fn page(body: maud::Markup) -> String {
     let sections = vec![Section::new("one", "One", body), Section::new("two", "Two", html! {})];
@@ -52,4 +52,18 @@ fn digits_are_cut_without_tails() {
         assert!(rounded(x).to_string().len() <= 10, "{}", rounded(x));
     }
     assert!(rounded(f64::NAN).is_nan());
+}
+
+#[test]
+fn thinning_keeps_peaks_where_they_are() {
+    let x: Vec<f64> = (0..10_000).map(f64::from).collect();
+    let mut y: Vec<f64> = x.iter().map(|x| (0.001 * x).sin()).collect();
+    (y[1234], y[8000]) = (-7.0, 9.0);
+    let [kept, values] = thinned(&x, &y, 100);
+    assert!(kept.len() <= 200 && kept.windows(2).all(|w| w[0] < w[1]), "{}", kept.len());
+    for (at, value) in [(1234.0, -7.0), (8000.0, 9.0)] {
+        let place = kept.iter().position(|k| *k == at).expect("a peak");
+        assert_eq!(values[place], value);
+    }
+    assert_eq!(thinned(&x[..50], &y[..50], 100), [x[..50].to_vec(), y[..50].to_vec()]);
 }

@@ -1,5 +1,7 @@
 //! The report of `motor`: which of the ten parameters come back, and how well.
 
+mod over_time;
+
 use maud::{Markup, html};
 
 use super::chart::{Chart, Row};
@@ -9,6 +11,7 @@ use super::table::table;
 use crate::motor::model::{COUNT, Motor};
 use crate::motor::render::{self, Grid};
 use crate::motor::report::{MethodReport, ScenarioReport};
+use crate::motor::series::Series;
 
 /// Points of a friction curve.
 const POINTS: usize = 120;
@@ -16,14 +19,14 @@ const COLOURS: [&str; 2] = [BEFORE, AFTER];
 /// A section needs a name that a link can end in.
 const IDS: [&str; 4] = ["scenario-1", "scenario-2", "scenario-3", "scenario-4"];
 
-/// The whole file. `top` is the highest speed of the recordings, rad/s, scenario by scenario.
-pub fn motor_report(reports: &[ScenarioReport], top: &[f64]) -> String {
+/// The whole file; `series` are the recordings of every scenario.
+pub fn motor_report(reports: &[ScenarioReport], series: &[[Series; 2]]) -> String {
     let mut sections: Vec<Section> = reports
         .iter()
-        .zip(top)
+        .zip(series)
         .zip(IDS)
-        .map(|((r, top), id)| {
-            Section::new(id, format!("Scenario {}: {}", r.scenario, r.title), scenario(r, *top))
+        .map(|((r, series), id)| {
+            Section::new(id, format!("Scenario {}: {}", r.scenario, r.title), scenario(r, series))
         })
         .collect();
     let about: Vec<Fact> = vec![
@@ -91,11 +94,13 @@ fn chart(r: &ScenarioReport) -> Markup {
     .markup()
 }
 
-fn scenario(r: &ScenarioReport, top: f64) -> Markup {
+fn scenario(r: &ScenarioReport, series: &[Series; 2]) -> Markup {
+    let top = series[0].measured.omega.iter().fold(0.0f64, |top, w| w.abs().max(top));
     html! {
         @for warning in &r.warnings { p.note { "Warning: " (warning) } }
         @for line in render::remarks(r) { p { (line.trim_end()) } }
         (friction(r, top))
+        (over_time::section(series))
         @for grid in render::grids(r) { (grid_table(&grid)) }
     }
 }
