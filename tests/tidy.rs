@@ -78,6 +78,7 @@ fn third_party_types_stay_at_their_edge() {
         ("clap", &["cli"]),
         ("mcap", &["recording"]),
         ("rusqlite", &["recording"]),
+        ("zstd", &["recording"]),
         ("arrow", &["recording", "sweep"]),
         ("parquet", &["recording", "sweep"]),
         ("plotly", &["html"]),
