@@ -17,10 +17,10 @@ use crate::simulation::{Command, Experiment, Run, Scenario, Simulation, Truth};
 #[command(after_help = "Example: armtwin simulate scenarios/ur5_friction.toml --out friction
 
 Writes friction/fit.csv and friction/check.csv (RTDE names, two different motions, the same hidden
-effects; other formats by --format) and friction/truth.json (every effect and value, noise, settings,
-versions). The folder is made if need be; files of these three names in it are replaced, others left
-alone. Nothing is written before all of it is simulated. The same scenario and seed give the same
-bytes.
+effects; other formats by --format) and friction/truth.json (every effect and value, noise,
+settings, versions). The folder is made if need be; files of these three names in it are replaced,
+others left alone. Nothing is written before all of it is simulated. The same scenario and seed give
+the same bytes.
 
   armtwin simulate scenarios/ur5_friction.toml --out friction --stream
 
