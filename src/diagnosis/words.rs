@@ -1,6 +1,9 @@
 //! A diagnosis in sentences.
 
-use super::{Cause, Diagnosis, Episode, Verdict};
+use super::{Cause, Diagnosis, Episode, TorqueShrink, Verdict};
+
+/// Times the share that all joints together lose, from which on a joint is worth a word of its own.
+const HIDDEN: f64 = 2.0;
 
 /// "joint 2", "joints 1, 3" or "the whole arm"; joints count from 1.
 pub fn place(joints: &[usize]) -> String {
@@ -24,9 +27,10 @@ pub fn sentence(d: &Diagnosis) -> String {
 fn verdict(d: &Diagnosis) -> String {
     let torque = &d.shrink.torque;
     let shrunk = format!(
-        "the gap shrinks from {:.2} to {:.2} N.m on the check recording ({} of its mean square, {} to {})",
+        "the gap shrinks from {:.2} to {:.2} N.m{} on the check recording ({} of its mean square, {} to {})",
         torque.before_nm,
         torque.after_nm,
+        mostly(torque),
         percent(torque.fraction),
         percent(torque.low),
         percent(torque.high),
@@ -55,6 +59,17 @@ fn verdict(d: &Diagnosis) -> String {
             worst(d),
             remark(&d.leftover.says)
         ),
+    }
+}
+
+/// Of the joint where most of its own gap is gone, if the noise of the others hides that in the sum.
+fn mostly(torque: &TorqueShrink) -> String {
+    let most = torque.joints.iter().max_by(|a, b| a.fraction.total_cmp(&b.fraction));
+    match most.filter(|j| j.fraction > HIDDEN * torque.fraction.max(0.0)) {
+        Some(j) => {
+            format!(" (from {:.2} to {:.2} at joint {})", j.before_nm, j.after_nm, j.joint)
+        }
+        None => String::new(),
     }
 }
 
