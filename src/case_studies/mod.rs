@@ -4,10 +4,14 @@
 //! Simulated and recorded arms are identified alike; only this room sees both the truth that was
 //! injected and what was found.
 
+pub mod boxes;
+pub mod draw;
 pub mod figures;
 pub mod motor;
+pub mod motor_figures;
 mod numbers;
 pub mod page;
 pub mod paper;
 pub mod ur5;
 pub mod versus;
+mod versus_tables;

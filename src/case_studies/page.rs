@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use super::boxes::Boxed;
 use super::figures::Figure;
 use super::paper::{Printed, TABLE_V, TABLE_VI};
 use super::ur5::Study;
-use super::versus::{Duel, Record, answer};
+use super::versus::Duel;
+use super::versus_tables::{tight, versus};
 use crate::identification::{Goodness, LEVEL, ParameterEstimate};
 use crate::report::markdown_table;
 
@@ -19,6 +21,8 @@ pub struct Page<'a> {
     pub real: Option<&'a Study>,
     /// By law and recording.
     pub duels: Vec<(String, Vec<Duel>)>,
+    /// By law, on the synthetic recording.
+    pub boxed: Vec<(String, Vec<Boxed>)>,
     pub figures: &'a [Figure],
     /// The DC motor's section.
     pub motor: String,
@@ -31,10 +35,11 @@ impl Page<'_> {
             self.table_v(),
             self.existence(),
             self.table_vi(),
-            self.versus(),
+            versus(&self.duels),
+            tight(&self.boxed),
             self.posterior(),
             self.pictures(),
-            format!("## DC motor (Tables III and IV)\n\n{}", self.motor),
+            self.motor.clone(),
         ]
         .join("\n")
     }
@@ -172,44 +177,6 @@ impl Page<'_> {
         row
     }
 
-    fn versus(&self) -> String {
-        let mut text = String::from(
-            "### Does PSO beat NLSE?\n\nSame data, same bounds, same cost (Eq. 5). PSO: the paper's \
-             settings, one run per seed, timed on the interpolated cost; \"direct\" is what its \
-             evaluations would take summed over all samples. NLSE: separable least squares, which \
-             needs no start, and plain Levenberg-Marquardt from as many random starts in the bounds. \
-             Reached: within 0.01 % of the lowest cost anyone found. The bounds are the \
-             catalogue's (see \"prior\" below), far wider than the values of a small arm.\n\n",
-        );
-        let header = [
-            "joint",
-            "lowest cost N.m",
-            "separable",
-            "evaluations",
-            "ms",
-            "PSO",
-            "median above %",
-            "worst %",
-            "evaluations",
-            "ms",
-            "direct ms",
-            "plain LM",
-            "median above %",
-            "worst %",
-            "evaluations",
-            "ms",
-        ];
-        for (what, duels) in &self.duels {
-            let rows: Vec<_> = duels.iter().map(row_versus).collect();
-            text += &format!(
-                "{what}\n\n{}\n**{}**\n\n",
-                markdown_table(&header, 1, &rows),
-                answer(duels)
-            );
-        }
-        text
-    }
-
     fn posterior(&self) -> String {
         let mut text = String::from(
             "### Posteriors by Markov chains\n\nUniform priors within the catalogue's bounds, \
@@ -242,8 +209,12 @@ impl Page<'_> {
 
     fn pictures(&self) -> String {
         let list =
-            self.figures.iter().map(|f| format!("![{0}]({1})\n\n{0}\n\n", f.caption, f.path()));
-        format!("### Figures 5 to 17\n\n{}", list.collect::<String>())
+            self.figures.iter().map(|f| format!("![{0}]({1})\n\n{0}\n\n", f.caption, f.file()));
+        format!(
+            "### Figures 5 to 17\n\nThe same in the viewer, paths in space: `armtwin case-studies \
+             --out DIR --rrd FILE.rrd`.\n\n{}",
+            list.collect::<String>()
+        )
     }
 }
 
@@ -268,30 +239,6 @@ fn interval(e: &ParameterEstimate) -> String {
         true => format!("[{} {}]", number(e.low), number(e.high)),
         false => "not identifiable".into(),
     }
-}
-
-fn row_versus(d: &Duel) -> Vec<String> {
-    let counts = |r: &Record| vec![format!("{}/{}", r.reached, r.runs)];
-    let above = |r: &Record| vec![percent(r.median), percent(r.worst)];
-    let price = |r: &Record| vec![format!("{:.0}", r.evaluations), format!("{:.2}", r.ms)];
-    let direct = d.swarm.evaluations * d.direct_ms;
-    [
-        vec![d.joint.to_string(), format!("{:.6}", d.lowest)],
-        counts(&d.separable),
-        price(&d.separable),
-        counts(&d.swarm),
-        above(&d.swarm),
-        price(&d.swarm),
-        vec![format!("{direct:.0}")],
-        counts(&d.descent),
-        above(&d.descent),
-        price(&d.descent),
-    ]
-    .concat()
-}
-
-fn percent(share: f64) -> String {
-    format!("{:.3}", 100.0 * share)
 }
 
 fn rows_posterior(s: &Study, joint: usize) -> Vec<Vec<String>> {

@@ -131,16 +131,37 @@ fn record(runs: &[Run], lowest: f64) -> Record {
     }
 }
 
+/// One method over all joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tally {
+    pub runs: usize,
+    pub reached: usize,
+    /// Above the lowest cost, relative.
+    pub worst: f64,
+}
+
+impl Tally {
+    pub fn share(&self) -> f64 {
+        self.reached as f64 / self.runs.max(1) as f64
+    }
+}
+
+/// The runs of one method, summed over joints.
+pub fn tally(duels: &[Duel], of: fn(&Duel) -> &Record) -> Tally {
+    let records = || duels.iter().map(of);
+    Tally {
+        runs: records().map(|r| r.runs).sum(),
+        reached: records().map(|r| r.reached).sum(),
+        worst: records().map(|r| r.worst).fold(0.0, f64::max),
+    }
+}
+
 /// All joints of one recording, as a sentence.
 pub fn answer(duels: &[Duel]) -> String {
-    let sum = |of: fn(&Duel) -> &Record| {
-        let runs: usize = duels.iter().map(|d| of(d).runs).sum();
-        (duels.iter().map(|d| of(d).reached).sum::<usize>(), runs)
-    };
-    let worst = |of: fn(&Duel) -> &Record| duels.iter().map(|d| of(d).worst).fold(0.0, f64::max);
-    let (nlse, pso, lm) = (sum(|d| &d.separable), sum(|d| &d.swarm), sum(|d| &d.descent));
-    let share = |(reached, runs): (usize, usize)| reached as f64 / runs.max(1) as f64;
-    let swarm_wins = |other: (usize, usize)| match share(pso).total_cmp(&share(other)) {
+    let nlse = tally(duels, |d| &d.separable);
+    let pso = tally(duels, |d| &d.swarm);
+    let lm = tally(duels, |d| &d.descent);
+    let swarm_wins = |other: Tally| match pso.share().total_cmp(&other.share()) {
         std::cmp::Ordering::Greater => "beats",
         std::cmp::Ordering::Equal => "equals",
         std::cmp::Ordering::Less => "does not beat",
@@ -151,14 +172,14 @@ pub fn answer(duels: &[Duel]) -> String {
          PSO (worst +{:.2} %) and {} of {} by Levenberg-Marquardt (worst +{:.2} %).",
         swarm_wins(nlse),
         swarm_wins(lm),
-        nlse.0,
-        nlse.1,
-        pso.0,
-        pso.1,
-        100.0 * worst(|d| &d.swarm),
-        lm.0,
-        lm.1,
-        100.0 * worst(|d| &d.descent)
+        nlse.reached,
+        nlse.runs,
+        pso.reached,
+        pso.runs,
+        100.0 * pso.worst,
+        lm.reached,
+        lm.runs,
+        100.0 * lm.worst
     )
 }
 

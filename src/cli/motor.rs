@@ -16,7 +16,8 @@ use crate::motor::render;
 use crate::motor::report::{Method, ScenarioReport, run as identify};
 use crate::motor::scenario::{Channel, SHIPPED, Scenario};
 use crate::motor::series::series;
-use crate::motor::study::{Study, grid, study};
+use crate::motor::study::{Study, study};
+use crate::motor::study_text::{answer, grid};
 use crate::report::html::motor_report;
 
 /// The DC-motor case study: identify ten parameters from a simulated motor, and say which can be
@@ -122,9 +123,9 @@ fn run_studies(scenarios: &[Scenario], args: &Args) -> anyhow::Result<()> {
     }
     bar.finish_and_clear();
     studies.retain(|s| s.seeds > 0);
-    let grids: Vec<_> = studies.iter().map(grid).collect();
-    grids.iter().for_each(|g| println!("{}", g.text()));
-    let text: String = grids.iter().map(render::Grid::markdown).collect();
+    studies.iter().for_each(|s| println!("{}\n{}", grid(s).text(), answer(s)));
+    let text: String =
+        studies.iter().map(|s| format!("{}\n{}\n", grid(s).markdown(), answer(s))).collect();
     save_all(args, &text, &[], &studies)
 }
 

@@ -166,7 +166,7 @@ pub fn describe(candidate: Candidate) -> String {
 }
 
 /// sum_j n_j/2 ln(before_j / after_j)
-fn gain(evidence: &Evidence, before: &[f64], after: &[f64], share: &[f64]) -> f64 {
+pub fn gain(evidence: &Evidence, before: &[f64], after: &[f64], share: &[f64]) -> f64 {
     let joint = |j: usize| {
         let n = evidence.rows[j].len() as f64;
         let (b, a) = (before[j], after[j].max(f64::MIN_POSITIVE));
@@ -202,7 +202,7 @@ pub fn effective_shares(residual: &Blocks) -> Vec<f64> {
 /// The first parameter of the last cause that sits at a bound: the first of all where its linear
 /// ones do not make the effect that it is, a linear one at the end of its range, a nonlinear one at
 /// the end of its range unless a search starts there.
-fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
+pub fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
     let last = fit.model.causes.len() - 1;
     let candidate = fit.model.causes[last].candidate;
     let values = fit.values(last);

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::error::IdentificationError;
-use super::problem::{Column, Curve, JointProblem, Parameter, Reduce};
+use super::located::Located;
+use super::problem::{Curve, JointProblem, Parameter, Reduce};
+use super::regressors::{Regressor, columns_of};
 use super::terms::Terms;
 use super::{separable, shared};
 use crate::effects::{self, About, Effect, Motion, Role, Scope, Seen};
@@ -38,12 +40,27 @@ pub fn assemble(
     terms: &Terms,
     bounds: &BoundsByName,
 ) -> Result<ArmProblem, IdentificationError> {
+    assemble_around(samples, twin, terms, bounds, &[])
+}
+
+/// The same where nonlinear parameters were `located` by a search: the twin has their values, and
+/// they are fitted along from there.
+///
+/// # Errors
+/// As [`assemble`].
+pub fn assemble_around(
+    samples: &Samples,
+    twin: &Twin,
+    terms: &Terms,
+    bounds: &BoundsByName,
+    located: &[Located],
+) -> Result<ArmProblem, IdentificationError> {
     let robot = twin.robot.dof();
     if samples.joints() != robot {
         return Err(IdentificationError::Joints { samples: samples.joints(), robot });
     }
     let samples = &twin.correct(samples);
-    let mut arm = assemble_on(samples, twin, terms, twin)?;
+    let mut arm = assemble_on(samples, twin, terms, twin, located)?;
     let open = open_references(twin, terms);
     if !arm.shared.is_empty() && (terms.contains("load_friction") || !open.is_empty()) {
         // Gears carry the load that is being fitted, too, and references follow what is fitted:
@@ -52,7 +69,7 @@ pub fn assemble(
         let fitted = with_shared(twin, terms, &arm.shared, &found);
         let mut settled = twin.clone();
         settled.values.extend(open.iter().filter_map(|(e, p)| settled_on(&fitted, *e, p)));
-        arm = assemble_on(samples, &settled, terms, &fitted)?;
+        arm = assemble_on(samples, &settled, terms, &fitted, located)?;
     }
     if arm.joints.iter().all(|j| j.samples() == 0) {
         let threshold = samples.conditioning.standstill_rad_s;
@@ -85,11 +102,12 @@ fn assemble_on(
     twin: &Twin,
     terms: &Terms,
     built: &Twin,
+    located: &[Located],
 ) -> Result<ArmProblem, IdentificationError> {
     let known = known_torque(samples, twin, terms);
     let motion = Motion { known: Some(&known), ..twin.motion(samples) };
     let laden = &built.laden();
-    let assembly = Assembly { samples, twin, terms, built, laden, motion };
+    let assembly = Assembly { samples, twin, terms, built, laden, motion, located };
     let filter = samples.torque_filter()?;
     let reaching = assembly.reaching()?;
     let mut arm = ArmProblem { joints: vec![], shared: vec![], shared_columns: vec![] };
@@ -97,10 +115,14 @@ fn assemble_on(
         let rows = samples.rows(joint);
         let reduce = reduce(filter.clone(), &rows);
         arm.joints.push(assembly.joint(joint, &known, &rows, &reduce)?);
-        let mut columns = assembly.linear(joint, Scope::Arm)?;
-        columns.extend(reaching.iter().map(|(p, s)| (p.clone(), s.joint(joint).to_vec())));
-        arm.shared = columns.iter().map(|(p, _)| p.clone()).collect();
-        arm.shared_columns.push(reduce(columns.into_iter().map(|(_, c)| c).collect()));
+        let mut regressors = assembly.linear(joint, Scope::Arm)?;
+        let samples = samples.len();
+        regressors.extend(reaching.iter().map(|r| r.at(joint, samples)));
+        let reduced = reduce(regressors.iter().map(|r| r.series.clone()).collect());
+        let y = &mut arm.joints[joint].y;
+        let columns = columns_of(regressors, reduced.into_iter(), y);
+        arm.shared = columns.iter().map(|c| c.parameter.clone()).collect();
+        arm.shared_columns.push(columns.into_iter().map(|c| c.values).collect());
     }
     Ok(arm)
 }
@@ -119,10 +141,17 @@ pub(super) fn with_shared(
         place.and_then(|i| values.get(i)).copied()
     };
     for effect in terms.with_scope(Scope::Arm).chain(terms.with_scope(Scope::Link)) {
-        let linear = effect.about().parameters.iter().filter(|p| p.role == Role::Linear);
-        for p in linear {
+        for p in effect.about().parameters {
             let values: Option<Vec<f64>> = match effect.about().scope {
-                Scope::Link => (0..dof).map(|j| found(&at_joint(p.name, j))).collect(),
+                Scope::Link => {
+                    let each: Vec<_> = (0..dof).map(|j| found(&at_joint(p.name, j))).collect();
+                    let absent = |j: usize| {
+                        let known = twin.values.get(p.name).and_then(|v| v.get(j)).copied();
+                        known.unwrap_or(if p.role == Role::Linear { p.null } else { p.typical })
+                    };
+                    let all = each.iter().enumerate().map(|(j, v)| v.unwrap_or_else(|| absent(j)));
+                    each.iter().any(Option::is_some).then(|| all.collect())
+                }
                 _ => found(p.name).map(|value| vec![value]),
             };
             fitted.values.extend(values.map(|values| (p.name.to_string(), values)));
@@ -135,7 +164,7 @@ pub(super) fn with_shared(
 }
 
 /// A parameter that one joint has and all joints feel.
-fn at_joint(name: &str, joint: usize) -> String {
+pub(super) fn at_joint(name: &str, joint: usize) -> String {
     format!("{name}_{}", joint + 1)
 }
 
@@ -173,6 +202,7 @@ struct Assembly<'a> {
     /// The robot as its gears carry it.
     laden: &'a Robot,
     motion: Motion<'a>,
+    located: &'a [Located],
 }
 
 impl Assembly<'_> {
@@ -193,15 +223,14 @@ impl Assembly<'_> {
         let linear = self.linear(joint, Scope::Joint)?;
         let sign = qd.iter().map(|&w| sign(w)).collect();
         let mut raw = vec![torque.to_vec(), left, sign];
-        let (parameters, columns): (Vec<_>, Vec<_>) = linear.into_iter().unzip();
-        raw.extend(columns);
+        raw.extend(linear.iter().map(|r| r.series.clone()));
         let mut reduced = reduce(raw).into_iter();
         let mut next = || reduced.next().unwrap_or_default();
-        let (measured, y, sign) = (next(), next(), next());
-        let columns = parameters.into_iter().map(|parameter| Column { parameter, values: next() });
+        let (measured, mut y, sign) = (next(), next(), next());
+        let columns = columns_of(linear, reduced, &mut y);
         Ok(JointProblem {
             joint: joint + 1,
-            columns: columns.collect(),
+            columns,
             curve: self.curve(qd, sign, reduce),
             speed: rows.take(qd).iter().map(|w| w.abs()).collect(),
             slots: rows.slots.clone(),
@@ -213,11 +242,7 @@ impl Assembly<'_> {
 
     /// Parameters that enter linearly, and their columns at every sample. Coulomb friction is left
     /// to the Stribeck curve where one is fitted.
-    fn linear(
-        &self,
-        joint: usize,
-        scope: Scope,
-    ) -> Result<Vec<(Parameter, Vec<f64>)>, IdentificationError> {
+    fn linear(&self, joint: usize, scope: Scope) -> Result<Vec<Regressor>, IdentificationError> {
         let mut all = Vec::new();
         for effect in self.terms.with_scope(scope) {
             let about = effect.about();
@@ -237,7 +262,16 @@ impl Assembly<'_> {
             };
             let motion = Motion { robot, ..self.motion };
             let linear = about.parameters.iter().filter(|p| p.role == Role::Linear);
-            all.extend(linear.map(searched).zip(effect.columns(&motion, joint, &nonlinear)));
+            let from = if scope == Scope::Arm { 0 } else { joint };
+            let columns = |n: &[f64]| effect.columns(&motion, joint, n);
+            match self.located(effect, from) {
+                Some(l) if l.shows() => all.extend(Regressor::of_tangent(l.tangent(columns))),
+                Some(_) => {}
+                None => {
+                    let each = linear.map(searched).zip(columns(&nonlinear));
+                    all.extend(each.map(|(p, c)| Regressor::linear(p, c)));
+                }
+            }
         }
         Ok(all)
     }
@@ -252,7 +286,7 @@ impl Assembly<'_> {
     }
 
     /// Parameters of single joints that all joints feel, and their torque everywhere.
-    fn reaching(&self) -> Result<Vec<(Parameter, JointSeries)>, IdentificationError> {
+    fn reaching(&self) -> Result<Vec<Regressor>, IdentificationError> {
         let mut all = Vec::new();
         for effect in self.terms.with_scope(Scope::Link) {
             let about = effect.about();
@@ -261,12 +295,28 @@ impl Assembly<'_> {
             for from in 0..self.twin.robot.dof() {
                 let nonlinear = self.nonlinear(about, from)?;
                 let linear = about.parameters.iter().filter(|p| p.role == Role::Linear);
-                let parameters =
-                    linear.map(|p| Parameter { name: at_joint(p.name, from), ..searched(p) });
-                all.extend(parameters.zip(effect.reach(&motion, from, &nonlinear)));
+                let named = |p: Parameter| Parameter { name: at_joint(&p.name, from), ..p };
+                let reach = |n: &[f64]| -> Vec<Vec<f64>> {
+                    effect.reach(&motion, from, n).iter().map(in_a_row).collect()
+                };
+                let mut own = match self.located(effect, from) {
+                    Some(l) if l.shows() => Regressor::of_tangent(l.tangent(reach)),
+                    Some(_) => vec![],
+                    None => {
+                        let each = linear.map(searched).zip(reach(&nonlinear));
+                        each.map(|(p, c)| Regressor::linear(p, c)).collect()
+                    }
+                };
+                own.iter_mut().for_each(|r| r.parameter = r.parameter.take().map(named));
+                all.extend(own);
             }
         }
         Ok(all)
+    }
+
+    fn located(&self, effect: &dyn Effect, joint: usize) -> Option<&Located> {
+        let here = |l: &&Located| l.effect.about().name == effect.about().name && l.joint == joint;
+        self.located.iter().find(here)
     }
 
     /// Values the twin gives for an effect's nonlinear parameters.
@@ -308,13 +358,18 @@ impl Assembly<'_> {
     }
 }
 
+/// Joint after joint.
+fn in_a_row(series: &JointSeries) -> Vec<f64> {
+    (0..series.joints()).flat_map(|j| series.joint(j).to_vec()).collect()
+}
+
 /// -1, 0 or 1: zero at rest.
 fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
 }
 
 /// A parameter of the catalogue, with the catalogue's bounds.
-fn searched(p: &effects::Parameter) -> Parameter {
+pub(super) fn searched(p: &effects::Parameter) -> Parameter {
     let name = if p.name == "current_offset" { "offset" } else { p.name };
     Parameter { name: name.into(), unit: p.unit.into(), lower: p.min, upper: p.max }
 }

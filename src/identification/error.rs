@@ -13,8 +13,8 @@ pub enum IdentificationError {
     #[error("no term `{name}`; there are {known}")]
     UnknownTerm { name: String, known: String },
     #[error(
-        "`{effect}` has the nonlinear parameter `{parameter}`, which identify does not search \
-         for; give it in the twin's [values] or leave the term out"
+        "`{effect}` needs its nonlinear parameter `{parameter}`: give all of its nonlinear parameters \
+         in the twin's [values], or none of them and let `armtwin identify` search for them"
     )]
     Nonlinear { effect: String, parameter: String },
     #[error(

@@ -57,16 +57,19 @@ fn set(twin: &mut Twin, name: &str, joint: usize, joints: usize, value: f64) {
 }
 
 /// Gives an effect's parameters their null value (nonlinear ones, which have none, their typical
-/// one) at the joints it was dropped from. False if it has values at no joint.
+/// one) at the joints it was dropped from. False, and no values, if it acts at no joint.
 fn fill_gaps(twin: &mut Twin, effect: &str) -> bool {
     let parameters = effects::find(effect).map_or(&[][..], |e| e.about().parameters);
     let mut found = false;
     for p in parameters {
         let absent = if p.role == Role::Linear { p.null } else { p.typical };
         if let Some(values) = twin.values.get_mut(p.name) {
-            found |= values.iter().any(|v| v.is_finite());
+            found |= p.role == Role::Linear && values.iter().any(|v| v.is_finite());
             values.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = absent);
         }
+    }
+    if !found {
+        parameters.iter().for_each(|p| drop(twin.values.remove(p.name)));
     }
     found
 }
@@ -82,7 +85,7 @@ fn physical(problem: &JointProblem, x: &[f64]) -> Result<Vec<(String, f64)>, Ide
         return Ok(all);
     }
     let mut straight = problem.clone();
-    let coulomb = Column { parameter: curve.coulomb.clone(), values: curve.sign.clone() };
+    let coulomb = Column::linear(curve.coulomb.clone(), curve.sign.clone());
     straight.columns.insert(0, coulomb);
     straight.curve = None;
     let prepared = Prepared::new(straight)?;

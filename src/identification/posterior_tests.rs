@@ -19,9 +19,8 @@ fn linear(n: usize, rho: f64, seed: u64) -> JointProblem {
     let w = |t: usize| (0.05 * t as f64).sin() + 0.5 * (0.021 * t as f64).cos();
     let parameter =
         |name: &str| Parameter { name: name.into(), unit: "N.m".into(), lower: -50.0, upper: 60.0 };
-    let column = |name: &str, f: &dyn Fn(f64) -> f64| Column {
-        parameter: parameter(name),
-        values: slots.iter().map(|&t| f(w(t))).collect(),
+    let column = |name: &str, f: &dyn Fn(f64) -> f64| {
+        Column::linear(parameter(name), slots.iter().map(|&t| f(w(t))).collect())
     };
     let columns = vec![column("coulomb", &f64::signum), column("viscous", &|w| w)];
     let y: Vec<f64> =

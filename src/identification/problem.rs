@@ -32,6 +32,18 @@ pub struct Parameter {
 pub struct Column {
     pub parameter: Parameter,
     pub values: Vec<f64>,
+    /// The linear parameters that a nonlinear one's slope hangs on; empty for a linear parameter.
+    pub slope_of: Arc<[&'static str]>,
+    /// Where a slope was worked out: `y` holds this times `values` on top of the torque; zero for a
+    /// linear parameter.
+    pub centre: f64,
+}
+
+impl Column {
+    /// Of a parameter that enters linearly.
+    pub fn linear(parameter: Parameter, values: Vec<f64>) -> Self {
+        Self { parameter, values, slope_of: Arc::default(), centre: 0.0 }
+    }
 }
 
 /// From columns at every sample to the kept samples: filter, mask, decimate. Linear.

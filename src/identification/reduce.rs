@@ -18,6 +18,7 @@ use super::error::IdentificationError;
 use super::judge::{self, LEVEL};
 use super::problem::{Column, JointProblem};
 use super::{separable, shared};
+use crate::kernels::axpy;
 
 /// A term that was taken out of one joint's law.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -108,6 +109,7 @@ fn doubt(
 ) -> Option<Dropped> {
     let (term, p, why) = match estimate.name.as_str() {
         "coulomb" | "static" | "stribeck_velocity" => return None,
+        name if is_slope(problem, name) => return None,
         // A lower power stays as long as a higher one (Nelder, J. R. Stat. Soc. A 140, 1977).
         "viscous" if higher_power(problem) => return None,
         "stribeck_excess" => stribeck_doubt(estimate, all),
@@ -140,9 +142,28 @@ fn stribeck_doubt(
 fn take_out(problem: &mut JointProblem, term: &str) {
     if term != STRIBECK {
         problem.columns.retain(|c| c.parameter.name != term);
+        drop_idle_slopes(problem);
     } else if let Some(curve) = problem.curve.take() {
-        problem.columns.insert(0, Column { parameter: curve.coulomb, values: curve.sign });
+        problem.columns.insert(0, Column::linear(curve.coulomb, curve.sign));
     }
+}
+
+/// A nonlinear parameter goes with the last of the linear ones it hangs on.
+fn drop_idle_slopes(problem: &mut JointProblem) {
+    let names = problem.columns.iter().map(|c| c.parameter.name.clone());
+    let left: Vec<String> = names.collect();
+    let idle = |c: &&Column| {
+        !c.slope_of.is_empty() && !c.slope_of.iter().any(|n| left.iter().any(|l| l == n))
+    };
+    let (gone, kept): (Vec<Column>, Vec<Column>) =
+        std::mem::take(&mut problem.columns).into_iter().partition(|c| idle(&c));
+    gone.iter().for_each(|c| axpy(-c.centre, &c.values, &mut problem.y));
+    problem.columns = kept;
+}
+
+/// Does this parameter belong to a slope, which has no test of its own?
+fn is_slope(problem: &JointProblem, name: &str) -> bool {
+    problem.columns.iter().any(|c| c.parameter.name == name && !c.slope_of.is_empty())
 }
 
 #[cfg(test)]

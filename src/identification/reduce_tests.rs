@@ -1,6 +1,7 @@
 //! Elimination on a joint whose friction is known.
 
 use super::*;
+use crate::identification::problem::Parameter;
 use crate::identification::testing::{self, TRUTH};
 use crate::kernels::axpy;
 
@@ -50,4 +51,33 @@ fn without_its_stribeck_term_a_curve_is_coulomb_friction() {
     take_out(&mut problem, "stribeck");
     let names: Vec<_> = problem.parameters().into_iter().map(|p| p.name.clone()).collect();
     assert_eq!(names, ["coulomb", "viscous", "viscous_quadratic", "viscous_cubic"]);
+}
+
+/// A wave that is not there goes, and with it the slope of its order and what that put on the torque.
+#[test]
+fn a_slope_goes_with_what_it_hangs_on() {
+    let mut problem = testing::problem(3000, 0.3, false);
+    let before = problem.y.clone();
+    let wave = |order: f64| (0..3000).map(|k| (order * k as f64).sin()).collect::<Vec<f64>>();
+    let parameter = |name: &str, lower, upper| Parameter {
+        name: name.into(),
+        unit: "N.m".into(),
+        lower,
+        upper,
+    };
+    problem.columns.push(Column::linear(parameter("ripple_sine", -20.0, 20.0), wave(0.7)));
+    let slope = Column {
+        parameter: parameter("ripple_order", 50.0, 500.0),
+        values: wave(0.31),
+        slope_of: ["ripple_sine"].into(),
+        centre: 200.0,
+    };
+    axpy(slope.centre, &slope.values, &mut problem.y);
+    problem.columns.push(slope);
+    let gone = terms(&problem);
+    assert!(gone.contains(&"ripple_sine".into()) && !gone.contains(&"ripple_order".into()));
+    take_out(&mut problem, "ripple_sine");
+    assert!(problem.index("ripple_order").is_none());
+    let furthest = problem.y.iter().zip(&before).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(furthest < 1e-10, "{furthest}");
 }

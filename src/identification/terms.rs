@@ -1,7 +1,7 @@
 //! Which effects are fitted: names from the catalogue.
 
 use super::error::IdentificationError;
-use crate::effects::{self, Effect, Scope};
+use crate::effects::{self, Effect, Parameter, Role, Scope, Seen};
 use crate::twin::Twin;
 
 /// The paper's Eq. 1.
@@ -62,6 +62,51 @@ impl Terms {
         Self::named(of_twin.chain(more).map(String::as_str))
     }
 
+    /// Effects none of whose nonlinear parameters the twin gives; the Stribeck curve, which has a
+    /// search of its own, is not among them.
+    pub fn open_nonlinear(&self, twin: &Twin) -> Vec<&'static dyn Effect> {
+        let seen = |e: &&'static dyn Effect| e.seen() == Seen::Columns;
+        let other = |e: &&'static dyn Effect| e.about().name != "stribeck";
+        let fitted = self.fitted.iter().copied().filter(|e| is_open(*e, twin));
+        fitted.filter(seen).filter(other).collect()
+    }
+
+    /// The Stribeck curve where its velocity is searched for.
+    pub fn curve_of(&self, twin: &Twin) -> Option<&'static dyn Effect> {
+        let is_curve = |e: &&'static dyn Effect| e.about().name == "stribeck" && is_open(*e, twin);
+        self.fitted.iter().copied().find(is_curve)
+    }
+
+    /// Effects with nonlinear parameters all of which the twin gives, with their values at `joint`.
+    pub fn given_nonlinear(
+        &self,
+        twin: &Twin,
+        joint: usize,
+    ) -> Vec<(&'static dyn Effect, Vec<f64>)> {
+        let given = |e: &'static dyn Effect| {
+            let value = |p: &Parameter| twin.values.get(p.name)?.get(joint).copied();
+            let values: Option<Vec<f64>> =
+                nonlinear(e).map(|p| value(p).or(p.is_reference().then_some(p.typical))).collect();
+            values.filter(|v| !v.is_empty()).map(|v| (e, v))
+        };
+        self.fitted.iter().copied().filter(|e| !is_open(*e, twin)).filter_map(given).collect()
+    }
+
+    /// The twin without values for these terms; of the terms it has those that are linear.
+    pub fn left_open(&self, twin: &Twin) -> Twin {
+        let mut open = twin.clone();
+        for effect in &self.fitted {
+            effect.about().parameters.iter().for_each(|p| drop(open.values.remove(p.name)));
+        }
+        open.effects.retain(|name| !self.contains(name));
+        let linear = self.fitted.iter().filter(|e| nonlinear(**e).next().is_none());
+        open.effects.extend(linear.map(|e| e.about().name.to_string()));
+        if self.contains("rotor_inertia") {
+            open.drive.rotor_inertia.fill(0.0);
+        }
+        open
+    }
+
     pub fn names(&self) -> Vec<&'static str> {
         self.fitted.iter().map(|e| e.about().name).collect()
     }
@@ -74,4 +119,14 @@ impl Terms {
     pub fn with_scope(&self, scope: Scope) -> impl Iterator<Item = &'static dyn Effect> + '_ {
         self.fitted.iter().copied().filter(move |e| e.about().scope == scope)
     }
+}
+
+fn nonlinear(effect: &'static dyn Effect) -> impl Iterator<Item = &'static Parameter> {
+    effect.about().parameters.iter().filter(|p| p.role == Role::Nonlinear)
+}
+
+/// Has it nonlinear parameters besides references, and does the twin give none of them?
+fn is_open(effect: &'static dyn Effect, twin: &Twin) -> bool {
+    let mut own = nonlinear(effect).filter(|p| !p.is_reference()).peekable();
+    own.peek().is_some() && own.all(|p| !twin.values.contains_key(p.name))
 }

@@ -47,9 +47,11 @@ pub fn problem(n: usize, noise: f64, filtered: bool) -> JointProblem {
     axpy(TRUTH[0], &sign, &mut torque);
     axpy(TRUTH[1] - TRUTH[0], &bend, &mut torque);
     raw.iter().zip(&TRUTH[2..]).for_each(|(c, v)| axpy(*v, c, &mut torque));
-    let columns = laws.iter().zip(&raw).map(|((name, _), c)| Column {
-        parameter: parameter(name, if *name == "viscous" { 0.0 } else { -50.0 }, 100.0),
-        values: reduced(c),
+    let columns = laws.iter().zip(&raw).map(|((name, _), c)| {
+        Column::linear(
+            parameter(name, if *name == "viscous" { 0.0 } else { -50.0 }, 100.0),
+            reduced(c),
+        )
     });
     let y = reduced(&torque);
     JointProblem {

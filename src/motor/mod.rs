@@ -18,6 +18,7 @@ pub mod sensitivity;
 pub mod series;
 pub mod simulate;
 pub mod study;
+pub mod study_text;
 
 pub use model::Motor;
 

@@ -4,7 +4,7 @@ use super::dependence::Dependence;
 use super::inference::Interval;
 use super::model::COUNT;
 use super::paper::printed;
-use super::report::{CombinationReport, MethodReport, ParameterReport, ScenarioReport};
+use super::report::{CombinationReport, Given, MethodReport, ParameterReport, ScenarioReport};
 use super::scenario::Channel;
 use crate::report::table;
 
@@ -75,24 +75,24 @@ pub fn grids(report: &ScenarioReport) -> Vec<Grid> {
 }
 
 fn heading(report: &ScenarioReport) -> String {
-    let given: Vec<String> =
-        report.given.iter().map(|g| format!(", {} = {} given", g.name, g.value)).collect();
     format!(
-        "Scenario {}: {}; measured: {}{}; seed {}\n",
+        "Scenario {}: {}; measured: {}; seed {}\n",
         report.scenario,
         report.title,
-        channels(&report.measured),
-        given.concat(),
+        setting(&report.measured, &report.given),
         report.seed
     )
 }
 
-fn channels(measured: &[Channel]) -> String {
+/// What is known: `omega, R = 1.5 given`.
+pub fn setting(measured: &[Channel], given: &[Given]) -> String {
     let name = |c: &Channel| match c {
         Channel::Omega => "omega",
         Channel::Current => "current",
     };
-    measured.iter().map(name).collect::<Vec<_>>().join(", ")
+    let measured = measured.iter().map(|c| name(c).to_string());
+    let given = given.iter().map(|g| format!("{} = {} given", g.name, g.value));
+    measured.chain(given).collect::<Vec<_>>().join(", ")
 }
 
 fn identifiability(method: &MethodReport) -> String {
@@ -249,7 +249,7 @@ fn dependence(rows: &[Dependence]) -> Grid {
 }
 
 /// Four significant digits.
-pub(super) fn number(v: f64) -> String {
+pub fn number(v: f64) -> String {
     if v.is_nan() {
         return "-".into();
     }

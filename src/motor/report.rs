@@ -30,6 +30,15 @@ pub enum Method {
     Nlse,
 }
 
+impl Method {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pso => "pso",
+            Self::Nlse => "nlse",
+        }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ScenarioReport {
     pub scenario: usize,
@@ -102,7 +111,10 @@ pub struct Cliff {
 const THRESHOLD: f64 = 1e-9;
 
 /// Standard errors from the minimum within which tests and intervals are taken to hold.
-const FARTHEST: f64 = 0.5;
+pub(super) const FARTHEST: f64 = 0.5;
+
+/// Half a 99 % interval, % of the value, up to which the excitation supports a parameter.
+const SUPPORTED: f64 = 5.0;
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CombinationReport {
@@ -137,6 +149,20 @@ pub struct ParameterReport {
     pub verdict: String,
 }
 
+impl ParameterReport {
+    /// Searched for, and its interval within 5 % of the value.
+    pub fn is_supported(&self) -> bool {
+        !self.given && 50.0 * (self.high - self.low) / self.value.abs() <= SUPPORTED
+    }
+}
+
+impl Scenario {
+    pub(super) fn given_values(&self) -> Vec<Given> {
+        let one = |k: usize| self.given[k].map(|value| Given { name: NAMES[k], value });
+        (0..COUNT).filter_map(one).collect()
+    }
+}
+
 /// Both recordings of a scenario.
 pub fn recordings(scenario: &Scenario, seed: u64) -> Result<[Record; 2], MotorError> {
     let clean = |e| Clean::of(&scenario.truth, e).map_err(MotorError::Truth);
@@ -159,14 +185,11 @@ pub fn run(
         reports.push(report_of(scenario, &problem, fit, &identification, &verification)?);
     }
     let unidentifiable = reports.last().map(|m| m.unidentifiable.clone()).unwrap_or_default();
-    let given = (0..COUNT)
-        .filter_map(|k| scenario.given[k].map(|value| Given { name: NAMES[k], value }))
-        .collect();
     Ok(ScenarioReport {
         scenario: scenario.number,
         title: scenario.title.clone(),
         measured: scenario.measured.clone(),
-        given,
+        given: scenario.given_values(),
         seed,
         warnings: scenario.warnings(),
         unidentifiable,
@@ -314,7 +337,7 @@ fn width_verdict(value: f64, robust: &Interval, kept: bool) -> String {
     let percent = 50.0 * (robust.high - robust.low) / value.abs();
     match (kept, percent) {
         (false, _) => "not told from zero".into(),
-        (_, p) if p <= 5.0 => format!("identified, +-{p:.2} %"),
+        (_, p) if p <= SUPPORTED => format!("identified, +-{p:.2} %"),
         (_, p) if p <= 20.0 => format!("roughly, +-{p:.0} %"),
         (_, p) => format!("hardly supported by this excitation, +-{p:.0} %"),
     }

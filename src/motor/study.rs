@@ -5,7 +5,8 @@
 //! rate (nominal 1 %), and how often the 99 % interval covers the truth.
 //!
 //! The descent starts at the truth: that the global optimum is found from anywhere is the
-//! business of `motor::report`; here the noise's effect on the optimum is studied.
+//! business of `motor::report`; here the noise's effect on the optimum is studied. A swarm starts
+//! where it always does, and may stop short of the optimum: `at_minimum` counts where it did not.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -13,11 +14,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::experiment::Clean;
-use super::fit::{Fit, Tick, least_squares_from, swarm};
-use super::inference::{ALPHA, Interval, Knowledge, analyse};
+use super::fit::{Tick, least_squares_from, swarm};
+use super::inference::{ALPHA, Conventions, Interval, analyse};
 use super::model::{COUNT, NAMES};
-use super::render::Grid;
-use super::report::{Method, MotorError};
+use super::report::{FARTHEST, Given, Method, MotorError, error_percent};
 use super::scenario::{Channel, Scenario};
 
 /// The three conventions in the order they are counted.
@@ -27,13 +27,32 @@ pub const CONVENTIONS: [&str; 3] = ["robust", "asymptotic", "paper"];
 pub struct Study {
     pub scenario: usize,
     pub measured: Vec<Channel>,
+    pub given: Vec<Given>,
     pub method: &'static str,
     /// Noise seeds finished, from `first_seed`.
     pub seeds: usize,
     pub first_seed: u64,
     /// Seeds whose search or analysis failed; not counted below.
     pub failed: usize,
+    /// Seeds whose search ended at a minimum of its cost: elsewhere tests and intervals are void.
+    pub at_minimum: usize,
     pub parameters: Vec<Counts>,
+    pub runs: Vec<Run>,
+}
+
+/// One noise that could be analysed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Run {
+    pub seed: u64,
+    /// sqrt(mean r^2), in units of the noise: 1 is as good as the truth.
+    pub cost: f64,
+    pub evaluations: usize,
+    pub seconds: f64,
+    /// Distance from the minimum in standard errors.
+    pub newton_step: f64,
+    pub values: [f64; COUNT],
+    #[serde(skip)]
+    knowledge: Vec<Conventions>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -46,6 +65,8 @@ pub struct Counts {
     /// By convention: p <= alpha, and intervals that cover the truth.
     pub kept: [usize; 3],
     pub covered: [usize; 3],
+    /// Of the truth, %: median and largest over the noises; absent where the truth is zero.
+    pub error_percent: Option<[f64; 2]>,
 }
 
 /// Runs `seeds` noises of one scenario; stops early, with what is done, when `stop` is set.
@@ -67,44 +88,54 @@ pub fn study(
         Some(outcome)
     };
     // A swarm keeps all cores busy by itself.
-    let outcomes: Vec<Option<Knowledge>> = match method {
+    let outcomes: Vec<Option<Run>> = match method {
         Method::Nlse => (0..seeds).into_par_iter().filter_map(one).collect(),
         Method::Pso => (0..seeds).filter_map(one).collect(),
     };
-    let known: Vec<&Knowledge> = outcomes.iter().flatten().collect();
+    let done = outcomes.len();
+    let runs: Vec<Run> = outcomes.into_iter().flatten().collect();
     let truth = scenario.truth.to_array();
     Ok(Study {
         scenario: scenario.number,
         measured: scenario.measured.clone(),
-        method: match method {
-            Method::Nlse => "nlse",
-            Method::Pso => "pso",
-        },
-        seeds: outcomes.len(),
+        given: scenario.given_values(),
+        method: method.name(),
+        seeds: done,
         first_seed,
-        failed: outcomes.len() - known.len(),
-        parameters: (0..COUNT).map(|k| counts(&known, k, truth[k])).collect(),
+        failed: done - runs.len(),
+        at_minimum: runs.iter().filter(|r| r.newton_step <= FARTHEST).count(),
+        parameters: (0..COUNT).map(|k| counts(&runs, k, truth[k])).collect(),
+        runs,
     })
 }
 
-fn noise(scenario: &Scenario, clean: &Clean, method: Method, seed: u64) -> Option<Knowledge> {
+fn noise(scenario: &Scenario, clean: &Clean, method: Method, seed: u64) -> Option<Run> {
     let record = clean.for_identification(seed);
     let problem = scenario.problem(&record);
     let bounds = &scenario.bounds;
     let quiet = &|| ();
-    let Fit { values, .. } = match method {
+    let fit = match method {
         Method::Nlse => least_squares_from(&problem, bounds, &[scenario.truth.to_array()], quiet),
         Method::Pso => swarm(&problem, bounds, &scenario.pso, seed, quiet),
     };
-    analyse(&problem, &values).ok()
+    let knowledge = analyse(&problem, &fit.values).ok()?;
+    Some(Run {
+        seed,
+        cost: fit.cost,
+        evaluations: fit.evaluations,
+        seconds: fit.seconds,
+        newton_step: knowledge.newton_step,
+        values: fit.values,
+        knowledge: knowledge.parameters.to_vec(),
+    })
 }
 
-fn counts(known: &[&Knowledge], k: usize, truth: f64) -> Counts {
-    let of = |knowledge: &Knowledge| {
-        let c = &knowledge.parameters[k];
+fn counts(runs: &[Run], k: usize, truth: f64) -> Counts {
+    let of = |run: &Run| {
+        let c = &run.knowledge[k];
         [c.robust, c.asymptotic, c.paper]
     };
-    let all: Vec<[Interval; 3]> = known.iter().map(|k| of(k)).collect();
+    let all: Vec<[Interval; 3]> = runs.iter().map(of).collect();
     let count = |convention: usize, rule: &dyn Fn(&Interval) -> bool| {
         all.iter().filter(|i| rule(&i[convention])).count()
     };
@@ -116,49 +147,13 @@ fn counts(known: &[&Knowledge], k: usize, truth: f64) -> Counts {
         intervals: count(0, &|i| !i.low.is_nan()),
         kept: each(&|i| i.p <= ALPHA),
         covered: each(&|i| i.low <= truth && truth <= i.high),
+        error_percent: median_and_largest(
+            runs.iter().filter_map(|r| error_percent(r.values[k], truth)).map(f64::abs).collect(),
+        ),
     }
 }
 
-/// Kept and covered, per parameter and convention, as shares in percent.
-pub fn grid(study: &Study) -> Grid {
-    let share = |count: usize, of: usize| match of {
-        0 => "-".into(),
-        _ => format!("{:.1}", 100.0 * count as f64 / of as f64),
-    };
-    let row = |c: &Counts| {
-        let exists = if c.truth == 0.0 { "no" } else { "yes" };
-        let mut row = vec![c.name.to_string(), exists.to_string()];
-        row.extend(c.kept.map(|n| share(n, c.tests)));
-        row.extend(c.covered.map(|n| share(n, c.intervals)));
-        row
-    };
-    let measured: Vec<&str> = study
-        .measured
-        .iter()
-        .map(|c| if *c == Channel::Omega { "omega" } else { "current" })
-        .collect();
-    Grid {
-        title: format!(
-            "Scenario {}, {}, measured {}, {} noise seeds from {} ({} failed): kept % (nominal 100 \
-             where the term exists, 1 where not) and coverage % (nominal 99)",
-            study.scenario,
-            study.method,
-            measured.join(" and "),
-            study.seeds,
-            study.first_seed,
-            study.failed
-        ),
-        header: vec![
-            "parameter",
-            "exists",
-            "kept: robust",
-            "asymptotic",
-            "paper's",
-            "covered: robust",
-            "asymptotic",
-            "paper's",
-        ],
-        left: 2,
-        rows: study.parameters.iter().map(row).collect(),
-    }
+fn median_and_largest(mut values: Vec<f64>) -> Option<[f64; 2]> {
+    values.sort_by(f64::total_cmp);
+    Some([*values.get(values.len() / 2)?, *values.last()?])
 }

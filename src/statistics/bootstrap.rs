@@ -16,6 +16,9 @@ pub fn block_length(rho: f64, n: usize) -> usize {
 /// Percentile interval at `level` of a statistic of `n` rows: `statistic` gets the row indices of
 /// one resample, made of blocks of neighbouring rows that wrap around the end (circular blocks:
 /// Politis and Romano, 1992). The same seed gives the same interval. NaN without rows.
+///
+/// Of correlated rows it promises too much: of the 90 % intervals of the mean of 300 rows, 89 % hold
+/// it where neighbours are not correlated, 84 % where by 0.5 and 80 % where by 0.8 (1500 rows: 84 %).
 pub fn block_bootstrap(
     n: usize,
     block: usize,
@@ -48,3 +51,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
     let (low, high) = (place.floor() as usize, place.ceil() as usize);
     sorted[low] + (place - low as f64) * (sorted[high] - sorted[low])
 }
+
+#[cfg(test)]
+#[path = "bootstrap_tests.rs"]
+mod tests;

@@ -79,8 +79,13 @@ pub fn time_series(name: String, origin: String, legend: bool) -> Node {
     }
 }
 
-/// All of `frame` from the side.
+/// The arms, all of `frame` from the side.
 pub fn arms(name: &str, frame: &arm::Frame) -> Node {
+    space(name, "arm", frame)
+}
+
+/// What is below `origin` in space, all of `frame` from the side.
+pub fn space(name: &str, origin: &str, frame: &arm::Frame) -> Node {
     let arm::Frame { centre, ahead, size } = frame;
     let side = ahead.cross(&Vector3::z());
     let eye = centre + *size * (0.85 * side + 0.3 * ahead + 0.35 * Vector3::z());
@@ -93,7 +98,7 @@ pub fn arms(name: &str, frame: &arm::Frame) -> Node {
     Node::View {
         class: "3D",
         name: name.into(),
-        origin: "arm".into(),
+        origin: origin.into(),
         properties: vec![("EyeControls3D", Box::new(eye)), ("Background", Box::new(background))],
     }
 }

@@ -3,6 +3,7 @@
 //! Knows nothing of how the numbers came about: a [`Comparison`] of one twin or the [`Mending`] of
 //! one goes in, a file comes out. [`live`] sends the same to a viewer while they are worked out.
 
+mod album;
 mod arm;
 mod blueprint;
 mod comparison;
@@ -16,6 +17,7 @@ mod scene;
 #[cfg(test)]
 mod tests;
 
+pub use album::Album;
 pub use comparison::{Comparison, Motion, Torque};
 pub use mending::{JointMending, Mending};
 pub use scene::{Shown, write_rrd};

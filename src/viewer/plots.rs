@@ -22,7 +22,7 @@ pub struct Quantity {
 
 /// One of the curves in a plot.
 pub struct Curve<'a> {
-    pub name: &'static str,
+    pub name: &'a str,
     pub color: Rgb,
     pub values: Cow<'a, [f64]>,
     /// On the screen, points.
@@ -156,7 +156,7 @@ pub fn log_values(
     stream.send_columns(entity, [time.clone()], columns).map_err(log_error)
 }
 
-pub fn curve<'a>(name: &'static str, color: Rgb, values: &'a [f64]) -> Curve<'a> {
+pub fn curve<'a>(name: &'a str, color: Rgb, values: &'a [f64]) -> Curve<'a> {
     Curve { name, color, values: Cow::Borrowed(values), width: WIDTH }
 }
 

@@ -7,6 +7,8 @@ use rerun::external::re_log_encoding::DecoderApp;
 use rerun::log::{Chunk, LogMsg};
 
 use super::*;
+use crate::case_studies::draw::{Line, Panel};
+use crate::case_studies::figures::Figure;
 use crate::robot::Robot;
 use crate::series::JointSeries;
 
@@ -266,4 +268,47 @@ fn a_twin_that_could_not_be_simulated_is_shown_by_its_torque() {
     assert!(found.contains_key("/joint_6/residual") && !found.contains_key("/joint_6/tracking"));
     still.joints[0].residual[0].pop();
     assert!(write_rrd(&still, &path).is_err());
+}
+
+/// Two stretches with a gap, and a path.
+fn figures() -> Vec<Figure> {
+    let line = |label: &str| Line::with_gaps(label, 0, &[0, 1, 5, 6], 0.5, &[1.0, 2.0, 3.0, 4.0]);
+    let panel = |title: &str| Panel {
+        title: title.into(),
+        across: "s",
+        up: "N.m",
+        lines: vec![line("measured"), line("PSO")],
+        equal: false,
+    };
+    let figure = |name: &str, panels, path| Figure {
+        name: name.into(),
+        caption: name.into(),
+        panels,
+        columns: 2,
+        path,
+    };
+    vec![
+        figure("torque", vec![panel("Joint 1"), panel("Joint 2")], vec![]),
+        figure("path", vec![], vec![[0.1, 0.2, 0.3], [0.4, 0.2, 0.3]]),
+    ]
+}
+
+#[test]
+fn an_album_has_every_line_with_its_gaps_and_every_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("figures.rrd");
+    let figures = figures();
+    write_rrd(&Album { title: "figures", figures: &figures }, &path).unwrap();
+    let found = chunks(&path);
+    for entity in ["/torque/joint_1/1", "/torque/joint_1/2", "/torque/joint_2/1"] {
+        assert_eq!(extent(&found[entity]), (6, 3.0), "{entity}");
+        let timed = found[entity].iter().find(|c| !c.is_static()).unwrap();
+        let scalars = rerun::Scalars::descriptor_scalars().component;
+        let values: Vec<f64> = timed.iter_slices::<f64>(scalars).map(|v| v[0]).collect();
+        assert_eq!((values[1], values[3], values[4]), (2.0, 3.0, 4.0));
+        assert!(values[2].is_nan() && values[5].is_nan(), "{values:?}");
+    }
+    assert!(found.contains_key("/path/path"));
+    let none = write_rrd(&Album { title: "none", figures: &[] }, &path);
+    assert!(matches!(none, Err(Error::Empty)));
 }

@@ -13,6 +13,7 @@ mod identify;
 mod json;
 #[cfg(feature = "viewer")]
 mod live;
+mod located;
 mod mcmc;
 mod motor;
 #[cfg(feature = "viewer")]

@@ -78,7 +78,9 @@ fn the_study_counts_and_writes_markdown() {
     ]);
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let text = fs::read_to_string(markdown).unwrap();
-    assert!(text.contains("| T_v2 | no |") && text.contains("| J | yes | 100.0 |"), "{text}");
+    assert!(text.contains("| T_v2 | no | - | - |") && text.contains("| J | yes |"), "{text}");
+    assert!(text.contains("* robust: 24 of 24 true terms kept, "), "{text}");
+    assert!(text.contains("* paper: ") && text.contains("of 6 absent ones ("), "{text}");
 }
 
 #[test]

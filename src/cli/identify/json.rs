@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::Report;
 use crate::files::write_whole;
-use crate::identification::{self, Dropped, MethodResult, Settings};
+use crate::identification::{self, Dropped, Located, MethodResult, Settings};
 use crate::recording::Provenance;
 use crate::signals::Conditioning;
 
@@ -24,10 +24,22 @@ struct Document<'a> {
     level: f64,
     settings: &'a Settings,
     conditioning: &'a Conditioning,
+    /// Nonlinear parameters that were searched for, by effect and joint.
+    searched: Vec<Searched>,
     /// Terms taken out by `--reduce`; null without it.
     dropped: Option<&'a [Dropped]>,
     methods: &'a [MethodResult],
     verdict: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Searched {
+    effect: &'static str,
+    /// From 1 at the base.
+    joint: usize,
+    /// Empty where the effect does not show.
+    parameters: Vec<&'static str>,
+    starts: usize,
 }
 
 #[derive(Serialize)]
@@ -43,6 +55,11 @@ struct TwinFacts<'a> {
     drive: &'a crate::robot::Drive,
     effects: &'a [String],
     values: &'a std::collections::BTreeMap<String, Vec<f64>>,
+}
+
+fn searched(l: &Located) -> Searched {
+    let (effect, joint) = (l.effect.about().name, l.joint + 1);
+    Searched { effect, joint, parameters: l.searched(), starts: l.starts }
 }
 
 pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
@@ -67,6 +84,7 @@ pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
         level: identification::LEVEL,
         settings: report.settings,
         conditioning: report.conditioning,
+        searched: report.located.iter().map(searched).collect(),
         dropped: report.dropped,
         methods: report.results,
         verdict: report.results.last().map(identification::verdict).unwrap_or_default(),

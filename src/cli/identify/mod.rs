@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use super::conditioning::ConditioningArgs;
+use crate::diagnosis;
 use crate::identification::{
-    self, ArmProblem, BoundsByName, Dropped, IdentificationError, Method, MethodResult, Search,
-    Settings, Terms,
+    self, ArmProblem, BoundsByName, Dropped, IdentificationError, Located, Method, MethodResult,
+    Search, Settings, Terms, assemble_around,
 };
 use crate::recording::{self, Recording};
 use crate::signals::{Conditioning, Samples, condition};
@@ -21,13 +22,15 @@ use crate::twin::Twin;
 ///
 /// Without --twin the arm is the UR5 and the terms are the paper's friction law (Eq. 1), rotor
 /// inertia and current offset. With --twin the terms are the effects the twin lists and gives no
-/// values for. --terms replaces, --with adds to either.
+/// values for. --terms replaces, --with adds to either. Nonlinear parameters that the twin leaves
+/// open are searched for first, as `diagnose` does; where an effect does not show it is left out.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   armtwin identify fit.csv --check check.csv --report report.html
   armtwin identify fit.csv --check check.csv --with payload --json out.json --save-twin fitted.toml
   armtwin identify log.csv --columns scenarios/columns/ur10e_shamilmamedov.toml \\
       --twin scenarios/twins/ur10e.toml --with paper,offset
+  armtwin identify fit.csv --method nlse --with presliding,torque_ripple --guard 0.05
   armtwin identify fit.csv --method pso,nlse,mcmc
   armtwin identify fit.csv --method nlse --bounds stribeck_velocity=0.01:0.2")]
 pub struct Args {
@@ -108,6 +111,9 @@ fn bound(text: &str) -> Result<(String, [f64; 2]), String> {
 pub(super) struct Report<'a> {
     pub args: &'a Args,
     pub twin: &'a Twin,
+    /// The twin with the nonlinear parameters that were searched for.
+    pub around: &'a Twin,
+    pub located: &'a [Located],
     pub terms: &'a Terms,
     pub settings: &'a Settings,
     pub conditioning: &'a Conditioning,
@@ -132,13 +138,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
     let terms = args.terms(&twin)?;
     let conditioning = args.conditioning.conditioning();
-    let load = |path: &Path| args.load(path, &twin, &terms, &conditioning);
-    let mut fit = load(&args.recording)?;
-    let mut check = args.check.as_deref().map(load).transpose()?;
+    let read = |path: &Path| args.read(path, &twin, &conditioning);
+    let (fit, check) = (read(&args.recording)?, args.check.as_deref().map(read).transpose()?);
+    let settings = args.settings();
+    let (around, located) = locate(&fit.1, &twin, &terms, &settings)?;
+    let assembled = |read| args.assembled(read, &around, &terms, &located);
+    let mut fit = assembled(fit)?;
+    let mut check = check.map(assembled).transpose()?;
     if let Some(check) = &check {
         refuse_same_samples(&fit.recording, &check.recording)?;
     }
-    let settings = args.settings();
     let dropped =
         if args.reduce { Some(reduce(&mut fit, check.as_mut(), &settings)?) } else { None };
     let results =
@@ -146,6 +155,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let report = Report {
         args,
         twin: &twin,
+        around: &around,
+        located: &located,
         terms: &terms,
         settings: &settings,
         conditioning: &conditioning,
@@ -177,20 +188,29 @@ impl Args {
         }
     }
 
-    fn load(
+    fn read(
         &self,
         path: &Path,
         twin: &Twin,
-        terms: &Terms,
         how: &Conditioning,
-    ) -> anyhow::Result<Loaded> {
+    ) -> anyhow::Result<(Recording, Samples)> {
         let recording = recording::read(path, self.columns.as_deref())?;
         let name = || path.display().to_string();
         let samples =
             condition(&recording, &twin.drive, twin.robot.dof(), how).with_context(name)?;
+        Ok((recording, samples))
+    }
+
+    fn assembled(
+        &self,
+        (recording, samples): (Recording, Samples),
+        around: &Twin,
+        terms: &Terms,
+        located: &[Located],
+    ) -> anyhow::Result<Loaded> {
         let bounds: BoundsByName = self.bounds.iter().cloned().collect();
-        let problem =
-            identification::assemble(&samples, twin, terms, &bounds).with_context(name)?;
+        let problem = assemble_around(&samples, around, terms, &bounds, located)
+            .with_context(|| recording.provenance.source.clone())?;
         Ok(Loaded { recording, samples, problem })
     }
 
@@ -212,6 +232,20 @@ impl Args {
         };
         Settings { methods, seed: self.seed, pso_cost, ..Settings::default() }
     }
+}
+
+/// The twin with nonlinear parameters of what is to be fitted, found as a diagnosis finds them.
+fn locate(
+    samples: &Samples,
+    twin: &Twin,
+    terms: &Terms,
+    settings: &Settings,
+) -> anyhow::Result<(Twin, Vec<Located>)> {
+    let located = diagnosis::locate(samples, twin, terms)?;
+    if located.is_empty() {
+        return Ok((twin.clone(), located));
+    }
+    Ok(identification::settle(samples, twin, terms, located, &settings.nlse)?)
 }
 
 fn reduce(
@@ -258,6 +292,6 @@ fn fitted<'a>(report: &Report<'a>) -> Result<Option<(Twin, &'a str)>, Identifica
     let preferred = report.results.iter().find(|r| r.method == Method::Nlse.name());
     let Some(result) = preferred.or(report.results.first()) else { return Ok(None) };
     let fitted =
-        identification::fitted_twin(report.twin, report.terms, &report.fit.problem, result)?;
+        identification::fitted_twin(report.around, report.terms, &report.fit.problem, result)?;
     Ok(Some((fitted, &result.method)))
 }

@@ -2,7 +2,7 @@
 
 use super::{Loaded, Report};
 use crate::identification::{
-    self, Dropped, Interval, JointEstimate, MethodResult, ParameterEstimate,
+    self, Dropped, Interval, JointEstimate, Located, MethodResult, ParameterEstimate,
 };
 use crate::report::{table, to_uncertainty};
 
@@ -17,6 +17,7 @@ pub fn print(report: &Report<'_>) {
             "         (what the twin lists without values; more by --with paper,rotor_inertia,offset)"
         );
     }
+    searched(report.located).iter().for_each(|line| println!("searched {line}"));
     println!("signals  {}", signals(report));
     report.dropped.iter().for_each(|d| print_dropped(d));
     for result in report.results {
@@ -26,6 +27,34 @@ pub fn print(report: &Report<'_>) {
         println!("\nWhat {} found", result.method);
         identification::verdict(result).iter().for_each(|line| println!("  {line}"));
     }
+}
+
+/// Which nonlinear parameters were searched for and where they are none, one line per effect.
+pub fn searched(located: &[Located]) -> Vec<String> {
+    let mut effects: Vec<&str> = located.iter().map(|l| l.effect.about().name).collect();
+    effects.dedup();
+    let line = |effect: &str| {
+        let here: Vec<&Located> =
+            located.iter().filter(|l| l.effect.about().name == effect).collect();
+        let joints = |shown: bool| {
+            let of = here.iter().filter(|l| l.open.is_empty() != shown);
+            of.map(|l| (l.joint + 1).to_string()).collect::<Vec<_>>().join(", ")
+        };
+        let Some(found) = here.iter().find(|l| !l.open.is_empty()) else {
+            return format!("{effect}: shows at no joint");
+        };
+        let absent = match joints(false) {
+            none if none.is_empty() => String::new(),
+            joints => format!("; not shown and left out at joint {joints}"),
+        };
+        format!(
+            "{effect}: {} from {} starts at joint {}, which no p counts{absent}",
+            found.searched().join(", "),
+            found.starts,
+            joints(true)
+        )
+    };
+    effects.into_iter().map(line).collect()
 }
 
 fn print_dropped(all: &[Dropped]) {
