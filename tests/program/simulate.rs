@@ -137,3 +137,19 @@ fn missing_files_and_taken_names_are_refused() {
     assert_eq!(fs::read_to_string(&taken).unwrap(), "mine");
     assert_eq!(armtwin(&["simulate", "x.toml"]).code, 2);
 }
+
+/// Damping that drives instead of braking: told when and where, before anything is written.
+#[test]
+fn an_arm_that_runs_away_is_said_to() {
+    let out = TempDir::new().unwrap();
+    let file = out.path().join("driven.toml");
+    let clean = fs::read_to_string(scenario("ur5_clean.toml")).unwrap();
+    let driven =
+        "[effects.viscous_quadratic]\nviscous_quadratic = [0.0, 0.0, 0.0, -18.0, 0.0, 0.0]\n";
+    fs::write(&file, format!("{clean}\n{driven}")).unwrap();
+    let folder = out.path().join("made");
+    let run = simulate(&file, &folder, &[]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("joint 4 runs away"), "{}", run.stderr);
+    assert!(!folder.join("fit.csv").exists());
+}

@@ -73,7 +73,13 @@ fn answered(folder: &Path, out: &Path, again: bool) -> anyhow::Result<Done> {
     if !again && Answer::kept(&file, folder).is_some() {
         return Ok(Done { case: name, kept: true, failed: None });
     }
-    let answer = answer(folder).with_context(|| name.clone())?;
-    write_json(&file, &answer)?;
-    Ok(Done { case: name, kept: false, failed: answer.failed })
+    // One case that cannot be read is no reason to leave the others.
+    let failed = match answer(folder) {
+        Ok(answer) => {
+            write_json(&file, &answer)?;
+            answer.failed
+        }
+        Err(unreadable) => Some(format!("{unreadable:#}")),
+    };
+    Ok(Done { case: name, kept: false, failed })
 }
