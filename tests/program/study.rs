@@ -198,11 +198,21 @@ fn damage_is_named_and_good_parts_are_kept() {
     let before = results(&out, "");
     let parts = parts(&out);
     let bytes = fs::read(&parts[5]).unwrap();
-    fs::write(&parts[5], &bytes[..bytes.len() / 3]).unwrap();
-    let run = study(&file, &out, &[]);
-    assert_eq!(run.code, 1);
-    let named = run.stderr.contains("cell-000005.parquet") && run.stderr.contains("damaged");
-    assert!(named && run.stderr.contains("11 parts are whole"), "{}", run.stderr);
+    let cut = bytes[..bytes.len() / 3].to_vec();
+    // In the data, and twice in the footer.
+    let flipped = [40, bytes.len() - 60, bytes.len() - 8].map(|at| {
+        let mut broken = bytes.clone();
+        broken[at] ^= 0x2a;
+        broken
+    });
+    for broken in [cut].into_iter().chain(flipped) {
+        fs::write(&parts[5], broken).unwrap();
+        let run = study(&file, &out, &[]);
+        assert_eq!(run.code, 1);
+        let named = run.stderr.contains("cell-000005.parquet") && run.stderr.contains("damaged");
+        assert!(named && run.stderr.contains("11 parts are whole"), "{}", run.stderr);
+        assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+    }
     fs::remove_file(&parts[5]).unwrap();
     assert!(done(&file, &out, &[]).contains("11 of 12 cells are there"));
     assert_eq!(results(&out, ""), before);

@@ -1,6 +1,8 @@
 //! Tables as Parquet files: the only place that knows arrow.
+//!
+//! The 32 bytes before the footer are the SHA-256 of all others. No reader of Parquet looks there,
+//! and what is damaged is told before it is decoded.
 
-use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -8,19 +10,22 @@ use arrow::array::{
     Array, ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray, UInt64Array,
 };
 use arrow::datatypes::DataType;
+use bytes::Bytes;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
+use sha2::{Digest, Sha256};
 
 use super::table::{Column, Table};
 use crate::files::write_whole;
 use crate::studies::StudyError;
-use crate::trials::sha256;
 
-/// SHA-256 of the values: damage that Parquet would not notice.
-const DIGEST: &str = "armtwin.sha256";
+/// Length of the footer (u32, little endian) and "PAR1": how every Parquet file ends.
+const END: usize = 8;
+const MAGIC: &[u8] = b"PAR1";
+const DIGEST: usize = 32;
 
 /// Writes a table with `notes` beside it; the same table and notes make the same bytes.
 ///
@@ -28,24 +33,47 @@ const DIGEST: &str = "armtwin.sha256";
 /// If the file cannot be written whole.
 pub fn write(path: &Path, table: &Table, notes: &[(&str, String)]) -> Result<(), StudyError> {
     let bytes = encoded(table, notes).map_err(|e| StudyError::file(path, e))?;
-    write_whole(path, |out| out.write_all(&bytes)).map_err(StudyError::io(path, "written"))
+    let sealed = sealed(&bytes).ok_or_else(|| StudyError::file(path, "no footer was made"))?;
+    write_whole(path, |out| out.write_all(&sealed)).map_err(StudyError::io(path, "written"))
 }
 
 fn encoded(table: &Table, notes: &[(&str, String)]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     let arrays = table.names.iter().zip(&table.columns).map(|(name, c)| (name, array(c)));
     let batch = RecordBatch::try_from_iter(arrays)?;
-    let digest = (DIGEST, sha256(&table.bytes()));
     let note = |(key, value): &(&str, String)| KeyValue::new(key.to_string(), value.clone());
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::default()))
         .set_created_by(concat!("armtwin ", env!("CARGO_PKG_VERSION")).into())
-        .set_key_value_metadata(Some([digest].iter().chain(notes).map(note).collect()))
+        .set_key_value_metadata(Some(notes.iter().map(note).collect()))
         .build();
     let mut bytes = Vec::new();
     let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties))?;
     writer.write(&batch)?;
     writer.close()?;
     Ok(bytes)
+}
+
+/// Where the footer begins; `None` in what does not end as Parquet does.
+fn footer(bytes: &[u8]) -> Option<usize> {
+    let end = bytes.len().checked_sub(END)?;
+    let (length, magic) = bytes[end..].split_first_chunk::<4>()?;
+    let start = end.checked_sub(u32::from_le_bytes(*length) as usize)?;
+    (magic == MAGIC).then_some(start)
+}
+
+fn digest(before: &[u8], footer: &[u8]) -> [u8; DIGEST] {
+    Sha256::new().chain_update(before).chain_update(footer).finalize().into()
+}
+
+fn sealed(bytes: &[u8]) -> Option<Vec<u8>> {
+    let (before, footer) = bytes.split_at(footer(bytes)?);
+    Some([before, &digest(before, footer), footer].concat())
+}
+
+/// Are these the bytes that were written?
+fn whole(bytes: &[u8]) -> bool {
+    let parts = footer(bytes).and_then(|at| Some((at.checked_sub(DIGEST)?, at)));
+    parts.is_some_and(|(seal, at)| bytes[seal..at] == digest(&bytes[..seal], &bytes[at..]))
 }
 
 fn array(column: &Column) -> ArrayRef {
@@ -60,28 +88,21 @@ fn array(column: &Column) -> ArrayRef {
 /// A table and its notes.
 ///
 /// # Errors
-/// If the file cannot be read, is no Parquet file of ours, or its values are not those written.
-pub fn read(path: &Path) -> Result<(Table, Vec<(String, String)>), StudyError> {
-    let file = File::open(path).map_err(StudyError::io(path, "read"))?;
-    // The crate panics on some damaged footers.
-    let outcome = std::panic::catch_unwind(move || decoded(file));
-    let outcome = outcome.unwrap_or_else(|_| Err("its footer makes no sense".into()));
-    let (table, notes) = outcome.map_err(|e| damaged(path, &e.to_string()))?;
-    match notes.iter().find(|(key, _)| key == DIGEST) {
-        Some((_, digest)) if *digest == sha256(&table.bytes()) => Ok((table, notes)),
-        _ => Err(damaged(path, "its values are not those that were written")),
+/// If the file cannot be read, or its bytes are not those written.
+pub fn read(path: &Path) -> Result<Decoded, StudyError> {
+    let bytes = std::fs::read(path).map_err(StudyError::io(path, "read"))?;
+    if !whole(&bytes) {
+        let todo = "remove this file and run the same command again; the other parts are kept";
+        let why = format!("damaged (its bytes are not those that were written): {todo}");
+        return Err(StudyError::file(path, why));
     }
-}
-
-fn damaged(path: &Path, why: &str) -> StudyError {
-    let todo = "remove this file and run the same command again; the other parts are kept";
-    StudyError::file(path, format!("damaged ({why}): {todo}"))
+    decoded(bytes).map_err(|e| StudyError::file(path, e))
 }
 
 type Decoded = (Table, Vec<(String, String)>);
 
-fn decoded(file: File) -> Result<Decoded, Box<dyn std::error::Error>> {
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file)?;
+fn decoded(bytes: Vec<u8>) -> Result<Decoded, Box<dyn std::error::Error>> {
+    let builder = ParquetRecordBatchReaderBuilder::try_new(Bytes::from(bytes))?;
     let notes = builder.metadata().file_metadata().key_value_metadata();
     let note = |n: &KeyValue| (n.key.clone(), n.value.clone().unwrap_or_default());
     let notes = notes.map(|all| all.iter().map(note).collect()).unwrap_or_default();
@@ -134,15 +155,14 @@ mod tests {
         assert!(notes.contains(&("study".into(), "abc".into())));
         write(&path, &table, &[("study", "abc".into())]).unwrap();
         assert_eq!(first, std::fs::read(&path).unwrap());
-        for at in (0..first.len()).step_by(97) {
+        for at in (0..first.len()).step_by(7) {
             let mut broken = first.clone();
             broken[at] ^= 0x15;
-            std::fs::write(&path, &broken).unwrap();
-            if let Ok((other, _)) = read(&path) {
-                assert_eq!(other.bytes(), table.bytes(), "byte {at}");
-            }
+            assert!(!whole(&broken), "byte {at}");
         }
         std::fs::write(&path, &first[..first.len() / 2]).unwrap();
+        assert!(read(&path).unwrap_err().to_string().contains("damaged"));
+        std::fs::write(&path, b"").unwrap();
         assert!(read(&path).unwrap_err().to_string().contains("damaged"));
     }
 }
