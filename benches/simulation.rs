@@ -6,9 +6,12 @@ use armtwin::effects::JointLoad;
 use armtwin::robot::builtin;
 use armtwin::simulation::accuracy::{Bench, Friction};
 use armtwin::simulation::{Plant, Reference, Scenario, Simulation};
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 const STEP_S: f64 = 5e-4;
+/// As in mujoco_step.py: rad, rad/s.
+const MOTION: [[f64; 6]; 2] = [[0.0, -1.0, 1.0, 0.5, -0.5, 0.3], [1.0, -0.8, 1.0, 1.5, -1.5, 2.0]];
+const STEPS_IN_MOTION: u64 = 200;
 
 fn bench() -> Bench {
     Bench::new(builtin("ur5").expect("built in"), Friction { dry: 1.0, viscous: 1.0 })
@@ -24,6 +27,25 @@ fn rapier(c: &mut Criterion) {
             plant.step(black_box(&tau), &loads);
         });
     });
+}
+
+/// From the same motion again and again: at rest friction is another problem to the solver.
+fn rapier_in_motion(c: &mut Criterion) {
+    let bench = bench();
+    let mut plant = Plant::new(&bench.mechanism, STEP_S).expect("a UR5");
+    let (tau, mut loads) = ([3.0; 6], [JointLoad::default(); 6]);
+    let mut group = c.benchmark_group("simulation");
+    group.throughput(Throughput::Elements(STEPS_IN_MOTION));
+    group.bench_function("rapier in motion, 200 steps", |b| {
+        b.iter(|| {
+            plant.set_state(&MOTION[0], &MOTION[1]);
+            for _ in 0..STEPS_IN_MOTION {
+                bench.loads(plant.v(), &mut loads);
+                plant.step(black_box(&tau), &loads);
+            }
+        });
+    });
+    group.finish();
 }
 
 fn runge_kutta(c: &mut Criterion) {
@@ -57,5 +79,5 @@ fn closed_loop(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, rapier, runge_kutta, closed_loop);
+criterion_group!(benches, rapier, rapier_in_motion, runge_kutta, closed_loop);
 criterion_main!(benches);

@@ -10,6 +10,7 @@ mod run;
 mod scenario;
 mod sensors;
 mod setup;
+mod sliding;
 mod thermal;
 mod truth;
 

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! Dry friction is a constraint of rapier's solver: whatever stops the joint, up to the level, so a
-//! joint that should stick stands truly still. Half of the damping is implicit (rapier's
+//! joint that should stick stands truly still; where every joint slides for sure, one sweep of the
+//! solver is exact (`sliding`). Half of the damping is implicit (rapier's
 //! `damping`), half explicit: together the trapezoidal rule, which neither adds nor hides damping.
 //! rapier gives every angular degree of freedom a default damping of 0.1, removed here. It takes
 //! Coriolis, centrifugal and gyroscopic terms implicitly through an approximate linearisation,
@@ -28,8 +29,9 @@ use rapier3d_f64::prelude::{
 
 use crate::effects::{JointLoad, Mechanism, Transmission};
 use crate::robot::{Body, Inertia, Placement, Robot, Workspace, gravity_torque};
+use crate::simulation::sliding::Sliding;
 
-/// Gauss-Seidel sweeps over the friction constraints of all joints in a step.
+/// Gauss-Seidel sweeps over the friction constraints of all joints in a step in which one may stick.
 const FRICTION_SWEEPS: usize = 16;
 /// Of the friction constraint: rapier's default (1e6 Hz) lets a sticking joint creep at small steps.
 const FRICTION_STIFFNESS_HZ: f64 = 1e12;
@@ -65,6 +67,11 @@ pub struct Plant {
     motor: Side,
     v_mid: Vec<f64>,
     link: Side,
+    /// Torque on each degree of freedom in this step, without dry friction, N.m.
+    torque: Vec<f64>,
+    sliding: Sliding,
+    /// Sweeps in a step in which every joint slides; tests have others.
+    pub(super) sliding_sweeps: usize,
 }
 
 /// Motion of one side of the transmissions, per joint.
@@ -132,7 +139,10 @@ impl Plant {
             joints,
             step_s,
             coordinates: zeros.clone(),
-            velocities: zeros,
+            velocities: zeros.clone(),
+            torque: zeros,
+            sliding: Sliding::new(mechanism),
+            sliding_sweeps: 1,
             motor: Side::still(dof),
             v_mid: vec![0.0; dof],
             link: Side::still(dof),
@@ -191,6 +201,7 @@ impl Plant {
             arm.update_rigid_bodies(bodies, true);
         }
         self.read_state();
+        self.sliding.forget();
         self.motor.a.fill(0.0);
         self.link.a.fill(0.0);
         self.v_mid.copy_from_slice(v);
@@ -217,6 +228,10 @@ impl Plant {
     pub fn step(&mut self, tau: &[f64], loads: &[JointLoad]) {
         self.apply_loads(loads);
         self.apply_torques(tau, loads);
+        let motion = [&self.motor.v[..], &self.motor.a];
+        let slides = self.sliding.everywhere(motion, &self.torque, loads, self.step_s);
+        self.world.integration_parameters.num_internal_pgs_iterations =
+            if slides { self.sliding_sweeps } else { FRICTION_SWEEPS };
         self.world.step();
         self.read_state();
     }
@@ -236,20 +251,20 @@ impl Plant {
 
     /// rapier takes torques on bodies: the motor's acts on its body and back on the parent.
     fn apply_torques(&mut self, tau: &[f64], loads: &[JointLoad]) {
-        let mut net = vec![0.0; self.links.len()];
         for (j, joint) in self.joints.iter_mut().enumerate() {
-            net[joint.motor] = tau[j] - loads[j].torque - 0.5 * loads[j].damping * self.motor.v[j];
+            self.torque[joint.motor] =
+                tau[j] - loads[j].torque - 0.5 * loads[j].damping * self.motor.v[j];
             if let Some(wound) = &mut joint.wound {
-                net[wound.dof] = wound.torque(&self.coordinates, &self.velocities, self.step_s);
+                self.torque[wound.dof] =
+                    wound.torque(&self.coordinates, &self.velocities, self.step_s);
             }
         }
         let bodies = &mut self.world.bodies;
-        for link in &self.links {
-            bodies[link.body].reset_torques(false);
-        }
-        for (link, net) in self.links.iter().zip(net) {
-            let torque = (*bodies[link.body].rotation() * link.axis) * net;
-            bodies[link.body].add_torque(torque, false);
+        for (link, torque) in self.links.iter().zip(&self.torque) {
+            let body = &mut bodies[link.body];
+            let torque = (*body.rotation() * link.axis) * *torque;
+            body.reset_torques(false);
+            body.add_torque(torque, false);
             if link.parent != self.base {
                 bodies[link.parent].add_torque(-torque, false);
             }
