@@ -127,6 +127,7 @@ fn whole(cell: &Cell, failed: &str, row: Row) -> Row {
         ("joints", whole(cell.joints)),
         ("terms", whole(cell.terms)),
         ("seed", Value::Whole(cell.seed)),
+        ("quantisation", cell.quantisation.into()),
         ("snr_db", number(cell.snr_db.map(super::Snr::db))),
         ("method", cell.method.name().into()),
         ("particles", whole(cell.particles)),

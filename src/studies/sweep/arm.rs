@@ -1,10 +1,10 @@
 //! The arm of a block, moved once, seen through the sensors once per cell.
 
-use super::grid::{Cell, Snr};
+use super::grid::Cell;
 use super::study::{NO_EFFECT, Question, Study};
 use crate::effects;
 use crate::recording::Recording;
-use crate::simulation::{Experiment, Run, Scenario, Setup, Simulation};
+use crate::simulation::{Experiment, Quantisation, Run, Scenario, Setup, Simulation};
 use crate::studies::StudyError;
 use crate::studies::recovery::blank_twin;
 use crate::studies::strength::scaled;
@@ -37,14 +37,18 @@ impl Bench {
         Ok(Self { seed: made.seed, made, runs, simulated_s, steps })
     }
 
-    /// Fit, and check where it was moved for, with the noise of `snr`.
+    /// Fit, and check where it was moved for, with the noise and the rounding of `cell`.
     ///
     /// # Errors
     /// If rapier cannot represent the arm.
-    pub fn recordings(&self, snr: Option<Snr>) -> Result<Vec<Recording>, StudyError> {
+    pub fn recordings(&self, cell: &Cell) -> Result<Vec<Recording>, StudyError> {
         let mut setup: Setup = self.made.setup.clone();
-        if let Some(snr) = snr {
+        if let Some(snr) = cell.snr_db {
             setup.noise.snr_db = Some(snr.db()).filter(|db| db.is_finite());
+        }
+        let Quantisation { position_rad, velocity_rad_s, current_a } = &mut setup.quantisation;
+        for step in [position_rad, velocity_rad_s, current_a] {
+            *step *= cell.quantisation;
         }
         let eyes = Simulation::new(&setup)?;
         let seen = |(number, run)| eyes.sensed_again(run, self.seed, number as u64).recording;

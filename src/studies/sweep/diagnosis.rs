@@ -77,7 +77,7 @@ pub fn diagnosed(study: &Study, cell: &Cell, bench: &Bench) -> Result<Diagnosis,
     let twin = bench.twin(true);
     let twin =
         crate::twin::Twin { effects: ["coulomb", "viscous"].map(String::from).into(), ..twin };
-    let recordings = bench.recordings(cell.snr_db)?;
+    let recordings = bench.recordings(cell)?;
     let how = conditioning(&recordings[0], twin.robot.dof());
     let samples = |r| condition(r, &twin.drive, twin.robot.dof(), &how);
     let (fit, check) = (samples(&recordings[0])?, samples(&recordings[1])?);

@@ -87,6 +87,8 @@ pub struct Grid {
     /// So many of the study's `terms`, in their order.
     pub terms: Vec<usize>,
     pub seed: Vec<u64>,
+    /// Times the steps of `[arm.quantisation]`; 0 rounds nothing.
+    pub quantisation: Vec<f64>,
     pub snr_db: Vec<Snr>,
     pub method: Vec<Method>,
     /// Of a swarm, per parameter.
@@ -107,14 +109,15 @@ pub struct Cell {
     pub joints: Option<usize>,
     pub terms: Option<usize>,
     pub seed: u64,
+    pub quantisation: f64,
     pub snr_db: Option<Snr>,
     pub method: Method,
     pub particles: Option<usize>,
 }
 
 impl Grid {
-    /// Lengths of the axes, slowest first; the last three share a motion.
-    fn lengths(&self) -> [usize; 11] {
+    /// Lengths of the axes, slowest first; the last four share a motion.
+    fn lengths(&self) -> [usize; 12] {
         [
             self.effect.len(),
             self.strength.len(),
@@ -124,6 +127,7 @@ impl Grid {
             self.joints.len(),
             self.terms.len(),
             self.seed.len(),
+            self.quantisation.len(),
             self.snr_db.len(),
             self.method.len(),
             self.particles.len(),
@@ -143,7 +147,7 @@ impl Grid {
     /// The `index`-th point of this grid, numbered `number` in the study.
     pub fn cell(&self, index: usize, number: usize) -> Cell {
         let lengths = self.lengths();
-        let mut at = [0; 11];
+        let mut at = [0; 12];
         let mut left = index;
         for axis in (0..lengths.len()).rev() {
             at[axis] = left % lengths[axis];
@@ -160,9 +164,10 @@ impl Grid {
             joints: self.joints.get(at[5]).copied(),
             terms: self.terms.get(at[6]).copied(),
             seed: self.seed.get(at[7]).copied().unwrap_or(1),
-            snr_db: self.snr_db.get(at[8]).copied(),
-            method: self.method.get(at[9]).copied().unwrap_or(Method::Nlse),
-            particles: self.particles.get(at[10]).copied(),
+            quantisation: self.quantisation.get(at[8]).copied().unwrap_or(1.0),
+            snr_db: self.snr_db.get(at[9]).copied(),
+            method: self.method.get(at[10]).copied().unwrap_or(Method::Nlse),
+            particles: self.particles.get(at[11]).copied(),
         }
     }
 }

@@ -93,7 +93,7 @@ pub fn arm(study: &Study, cell: &Cell, bench: &Bench) -> Result<Vec<Row>, StudyE
 /// # Errors
 /// If the recording cannot be conditioned or nothing slides.
 pub fn problem(study: &Study, cell: &Cell, bench: &Bench) -> Result<ArmProblem, StudyError> {
-    let recording = bench.recordings(cell.snr_db)?.swap_remove(0);
+    let recording = bench.recordings(cell)?.swap_remove(0);
     let twin = bench.twin(false);
     let samples = condition(&recording, &twin.drive, twin.robot.dof(), &conditioning())?;
     let terms = &study.terms[..cell.terms.unwrap_or(study.terms.len())];

@@ -137,6 +137,12 @@ impl Study {
             _ if grid.terms.iter().any(|n| *n == 0 || *n > self.terms.len()) => {
                 Err(format!("terms: give 1 to {}", self.terms.len()))
             }
+            _ if grid.quantisation.iter().any(|q| !(*q >= 0.0 && q.is_finite())) => {
+                Err("quantisation: give multiples of the steps, 0 or more".into())
+            }
+            _ if grid.system == System::Motor && !grid.quantisation.is_empty() => {
+                Err("quantisation: the motor's sensors do not round".into())
+            }
             _ if grid.particles.contains(&0) => Err("particles: give at least 1".into()),
             _ => Ok(()),
         }
@@ -231,6 +237,7 @@ mod tests {
             ("[[grid]]\nmethod = [\"nlse\"]\nsnr = [1]\n", "snr"),
             ("[[grid]]\nmethod = [\"nlse\"]\nsystem = \"motor\"\n", "motor"),
             ("[[grid]]\nmethod = [\"nlse\"]\njoints = [7]\n", "1 to 6"),
+            ("[[grid]]\nmethod = [\"nlse\"]\nquantisation = [-1]\n", "0 or more"),
         ] {
             let error = parsed(&format!("{HEAD}{grid}")).unwrap_err();
             assert!(error.starts_with("s.toml: ") && error.contains(word), "{grid}: {error}");

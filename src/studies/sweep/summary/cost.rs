@@ -10,6 +10,10 @@ use crate::studies::sweep::chart::{Line, Panel, Scale, digits, draw};
 use crate::studies::sweep::study::Study;
 use crate::studies::sweep::table::Table;
 
+/// More samples of a longer motion, and of the same at a higher rate.
+const LONGER: &str = "samples (duration)";
+const FASTER: &str = "samples (rate)";
+
 /// Of one cell.
 struct Cost {
     method: String,
@@ -37,7 +41,8 @@ pub fn page(study: &Study, cells: &Table, timings: &Table) -> Result<Page, Study
             (before..before + grid.cells()).filter_map(|n| costs.get(&n)).collect();
         before += grid.cells();
         let varied = [
-            ("samples", grid.duration_s.len() > 1 || grid.rate_hz.len() > 1),
+            (LONGER, grid.duration_s.len() > 1),
+            (FASTER, grid.rate_hz.len() > 1),
             ("joints", grid.joints.len() > 1),
             ("effects", grid.terms.len() > 1),
             ("particles", grid.particles.len() > 1),
@@ -86,7 +91,8 @@ fn costs(cells: &Table, timings: &Table) -> BTreeMap<usize, Cost> {
         let seconds =
             time(if method == "simulation" { "simulating_seconds" } else { "seconds" }, at);
         let axis = BTreeMap::from([
-            ("samples", whole("samples", i)),
+            (LONGER, whole("samples", i)),
+            (FASTER, whole("samples", i)),
             ("joints", whole("joints", i)),
             ("effects", whole("terms", i)),
             ("particles", whole("particles", i)),

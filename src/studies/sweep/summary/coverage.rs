@@ -1,8 +1,8 @@
 //! Do the intervals hold the truth as often as they say?
 
 use super::identification::{Chapter, Part};
-use super::seen::{CONVENTIONS, Seen};
-use super::{listed, over_snr, percent};
+use super::seen::{CONVENTIONS, Seen, in_order};
+use super::{decibel, listed, over_snr, percent, quantile};
 use crate::identification::LEVEL;
 use crate::report::markdown_table;
 use crate::statistics::{normal_quantile, normal_two_sided};
@@ -83,7 +83,7 @@ pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
     panels.extend(part.methods.iter().map(|m| against_nominal(part, m)));
     Ok(Chapter {
         name: "coverage",
-        says: says(&verdicts),
+        says: format!("{}{}", says(&verdicts), weakest(part)),
         text: format!(
             "### Coverage\n\nOf the {:.0} % intervals, over all parameters, seeds and noises; refused \
              are those the tool does not stand by. Standard errors are of a mean over cells, as \
@@ -116,6 +116,39 @@ fn says([keep, narrow, lie, open]: &[Vec<String>; 4]) -> String {
         parts.push(format!("too few cells to say: {}", listed(open)));
     }
     format!("{}.", parts.join("; "))
+}
+
+/// The parameter at which the main method's robust intervals fail most, if they do.
+fn weakest(part: &Part<'_>) -> String {
+    let given = given(part, part.main());
+    let only = |label: &str, of: bool| -> Vec<&Seen> {
+        given.iter().copied().filter(|r| (r.label == label) == of).collect()
+    };
+    let held = |label: &&str| share(&only(label, true), 0).held;
+    let labels = in_order(given.iter().map(|r| r.label.as_str()));
+    let Some(label) = labels.into_iter().min_by(|a, b| held(a).total_cmp(&held(b))) else {
+        return String::new();
+    };
+    let (here, others) = (only(label, true), share(&only(label, false), 0).held);
+    let at = |db: f64| here.iter().copied().filter(move |r| r.snr_db == db);
+    let worst =
+        part.snrs.iter().copied().map(|db| (db, share(&at(db).collect::<Vec<_>>(), 0).held));
+    let worst = worst.filter(|w| w.1.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((db, least)) = worst.filter(|_| held(&label) < LIE) else { return String::new() };
+    let errors: Vec<f64> = at(db).filter_map(Seen::error).collect();
+    let off = match errors.is_empty() {
+        true => String::new(),
+        false => format!(" where the median error is {}", percent(quantile(&errors, 0.5))),
+    };
+    format!(
+        " {}'s robust ones fail most for {label}: {} of them hold the truth, {} at {}{off}; of all \
+         others {} do.",
+        part.main(),
+        percent(held(&label)),
+        percent(least),
+        if db.is_infinite() { "no noise".into() } else { decibel(db) },
+        percent(others)
+    )
 }
 
 fn over(part: &Part<'_>, method: &str) -> Vec<Vec<String>> {

@@ -2,7 +2,7 @@
 
 use super::identification::{Chapter, Part};
 use super::seen::{Seen, in_order};
-use super::{decibel, down_to, listed, over_snr, percent, quantile};
+use super::{decibel, listed, over_snr, percent, quantile};
 use crate::studies::StudyError;
 use crate::studies::sweep::chart::{Line, Panel, Scale, draw};
 
@@ -43,44 +43,70 @@ fn errors<'a>(rows: impl Iterator<Item = &'a Seen>, label: &str, db: f64) -> Vec
     here.filter_map(Seen::error).filter(|e| e.is_finite()).collect()
 }
 
+/// The noises at which a parameter is of use: from the SNR at which it is best, down and up.
+struct Range<'a> {
+    label: &'a str,
+    /// Lowest and highest SNR; `None` if it is of use at none.
+    snrs: Option<(f64, f64)>,
+}
+
+fn range<'a>(part: &Part<'_>, label: &'a str) -> Range<'a> {
+    let most = |db: f64| quantile(&errors(part.of(part.main()), label, db), MOST);
+    let best = part.snrs.iter().copied().min_by(|a, b| most(*a).total_cmp(&most(*b)));
+    let useful = |db: &f64| most(*db) <= USEFUL;
+    let snrs = best.filter(useful).map(|best| {
+        let below = part.snrs.iter().rev().copied().filter(|db| *db <= best);
+        let above = part.snrs.iter().copied().filter(|db| *db >= best);
+        let lowest = below.take_while(useful).last().unwrap_or(best);
+        (lowest, above.take_while(useful).last().unwrap_or(best))
+    });
+    Range { label, snrs }
+}
+
+impl Range<'_> {
+    fn in_words(&self, quietest: f64) -> String {
+        let noises = match self.snrs {
+            None => "at no SNR".into(),
+            Some((low, _)) if low.is_infinite() => "only without noise".into(),
+            Some((low, high)) if high < quietest => format!("{low} to {}", decibel(high)),
+            Some((low, _)) => format!("down to {}", decibel(low)),
+        };
+        format!("{} ({noises})", self.label)
+    }
+}
+
 /// Which parameter is of no more use first as noise grows.
 fn order(part: &Part<'_>, labels: &[&str]) -> String {
-    let useful =
-        |label: &str, db: f64| quantile(&errors(part.of(part.main()), label, db), MOST) <= USEFUL;
-    let limit = |label: &&str| (down_to(&part.snrs, |db| useful(label, db)), label.to_string());
-    let mut limits: Vec<(Option<f64>, String)> = labels.iter().map(limit).collect();
+    let ends = (part.snrs.first().copied(), part.snrs.last().copied());
+    let (Some(loudest), Some(quietest)) = ends else { return "Nothing was estimated.".into() };
+    let mut ranges: Vec<Range> = labels.iter().map(|label| range(part, label)).collect();
     // What is never of use goes first.
-    let key = |l: &(Option<f64>, String)| (l.0.is_none(), l.0.unwrap_or(0.0));
-    limits.sort_by(|a, b| key(b).0.cmp(&key(a).0).then(key(b).1.total_cmp(&key(a).1)));
-    let lowest = part.snrs.first().copied();
-    let (hold, go): (Vec<_>, Vec<_>) = limits.into_iter().partition(|l| l.0 == lowest);
-    let held: Vec<String> = hold.into_iter().map(|l| l.1).collect();
-    let named = |(limit, label): &(Option<f64>, String)| match limit {
-        Some(db) if db.is_infinite() => format!("{label} (only without noise)"),
-        Some(db) => format!("{label} (down to {})", decibel(*db)),
-        None => format!("{label} (at no SNR)"),
-    };
-    let lost: Vec<String> = go.iter().map(named).collect();
-    let floor = decibel(lowest.unwrap_or(f64::INFINITY));
+    let lowest = |r: &Range| r.snrs.map_or(f64::INFINITY, |s| s.0);
+    ranges.sort_by(|a, b| {
+        a.snrs.is_some().cmp(&b.snrs.is_some()).then(lowest(b).total_cmp(&lowest(a)))
+    });
+    let (hold, go): (Vec<_>, Vec<_>) =
+        ranges.into_iter().partition(|r| r.snrs == Some((loudest, quietest)));
+    let held: Vec<String> = hold.iter().map(|r| r.label.to_string()).collect();
+    let lost: Vec<String> = go.iter().map(|r| r.in_words(quietest)).collect();
+    let floor = decibel(loudest);
     let within = format!(
         "nine of ten estimates are within {:.0} % of the truth by {}",
         100.0 * USEFUL,
         part.main()
     );
-    match (go.first(), held.is_empty()) {
-        (None, _) => format!("**No parameter is lost down to {floor}**: {within}."),
-        (Some(first), all_go) => {
-            let rest = match all_go {
-                true => String::new(),
-                false => format!("; down to {floor} hold {}", listed(&held)),
-            };
-            format!(
-                "**{} goes first** as noise grows; where {within}, in this order: {}{rest}.",
-                first.1,
-                lost.join(", ")
-            )
-        }
-    }
+    let Some(first) = go.first() else {
+        return format!("**No parameter is lost down to {floor}**: {within}.");
+    };
+    let rest = match held.is_empty() {
+        true => String::new(),
+        false => format!("; down to {floor} hold {}", listed(&held)),
+    };
+    format!(
+        "**{} goes first** as noise grows; where {within}, in this order: {}{rest}.",
+        first.label,
+        lost.join(", ")
+    )
 }
 
 fn panel(part: &Part<'_>, label: &str) -> Panel {

@@ -1,13 +1,15 @@
 //! Identification: errors, coverage, detection, for the arm and for the motor.
 
 use super::seen::{Seen, in_order, seen};
-use super::{Page, coverage, detection, distinct, errors};
+use super::{Page, coverage, detection, distinct, errors, rounding};
 use crate::studies::StudyError;
 use crate::studies::sweep::table::Table;
 
 /// One system's rows.
 pub struct Part<'a> {
     pub rows: Vec<&'a Seen>,
+    /// Beside them, where others are rounded: what no sensor rounded.
+    pub exact: Vec<&'a Seen>,
     /// Rising; infinite is no noise.
     pub snrs: Vec<f64>,
     pub methods: Vec<&'a str>,
@@ -31,16 +33,23 @@ pub fn page(cells: &Table) -> Result<Page, StudyError> {
     let all = seen(cells);
     let mut page = Page { text: String::new(), figures: Vec::new() };
     for system in in_order(all.iter().map(|r| r.system.as_str())) {
-        let rows: Vec<&Seen> = all.iter().filter(|r| r.system == system).collect();
+        let here = all.iter().filter(|r| r.system == system);
+        let (mut rows, mut exact): (Vec<&Seen>, Vec<&Seen>) =
+            here.partition(|r| r.quantisation > 0.0);
+        if rows.is_empty() {
+            std::mem::swap(&mut rows, &mut exact);
+        }
         let part = Part {
+            exact,
             snrs: distinct(rows.iter().map(|r| r.snr_db)),
             methods: in_order(rows.iter().map(|r| r.method.as_str())),
             rows,
         };
         let name = if system == "arm" { "The arm" } else { "The motor" };
         page.text += &format!("## {name}\n\n");
-        let chapters =
-            [errors::chapter(&part)?, coverage::chapter(&part)?, detection::chapter(&part)?];
+        let mut chapters =
+            vec![errors::chapter(&part)?, coverage::chapter(&part)?, detection::chapter(&part)?];
+        chapters.extend(rounding::chapter(&part)?);
         page.text += &chapters.iter().map(|c| format!("* {}\n", c.says)).collect::<String>();
         for chapter in chapters {
             let file = format!("{}_{system}.svg", chapter.name);

@@ -6,6 +6,7 @@ mod detection;
 mod diagnosis;
 mod errors;
 mod identification;
+mod rounding;
 mod seen;
 
 use super::study::{Question, Study};

@@ -18,6 +18,12 @@ pub struct Seen {
     pub parameter: String,
     /// Its effect has strength 0.
     pub absent: bool,
+    /// Of the effect, times what the study says.
+    pub strength: f64,
+    /// Times the sensors' steps.
+    pub quantisation: f64,
+    /// From 1 at the base; 0 for a motor.
+    pub joint: u64,
     pub snr_db: f64,
     pub method: String,
     pub truth: f64,
@@ -73,6 +79,9 @@ pub fn seen(cells: &Table) -> Vec<Seen> {
             label,
             parameter,
             absent: own && strengths[i] == 0.0,
+            strength: number("strength", i),
+            quantisation: number("quantisation", i),
+            joint: cells.wholes("joint").get(i).copied().unwrap_or(0),
             snr_db: number("snr_db", i),
             method: texts("method", i),
             truth: number("truth", i),
