@@ -65,7 +65,7 @@ fn runge_kutta(c: &mut Criterion) {
     });
 }
 
-/// 10000 steps, 2500 controller calls, 625 samples.
+/// 12500 steps, 2500 controller calls, 625 samples.
 fn closed_loop(c: &mut Criterion) {
     let text = include_str!("../scenarios/ur5_friction.toml");
     let mut scenario = Scenario::parse(text, "ur5_friction.toml").expect("a scenario");

@@ -54,8 +54,12 @@ fn given<'a>(part: &Part<'a>, method: &str) -> Vec<&'a Seen> {
 pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
     let mut rows = Vec::new();
     let mut verdicts: [Vec<String>; 4] = Default::default();
+    let mut refused = Vec::new();
     for &method in &part.methods {
         let (all, given) = (part.of(method).count(), given(part, method));
+        if given.is_empty() {
+            refused.push(method.to_string());
+        }
         for (convention, name) in conventions(method) {
             let s = share(&given, convention);
             rows.push(vec![
@@ -83,7 +87,7 @@ pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
     panels.extend(part.methods.iter().map(|m| against_nominal(part, m)));
     Ok(Chapter {
         name: "coverage",
-        says: format!("{}{}", says(&verdicts), weakest(part)),
+        says: format!("{}{}{}", says(&verdicts), none_given(&refused), weakest(part)),
         text: format!(
             "### Coverage\n\nOf the {:.0} % intervals, over all parameters, seeds and noises; refused \
              are those the tool does not stand by. Standard errors are of a mean over cells, as \
@@ -115,7 +119,17 @@ fn says([keep, narrow, lie, open]: &[Vec<String>; 4]) -> String {
     if !open.is_empty() {
         parts.push(format!("too few cells to say: {}", listed(open)));
     }
-    format!("{}.", parts.join("; "))
+    match parts.is_empty() {
+        true => "**No interval was given.**".into(),
+        false => format!("{}.", parts.join("; ")),
+    }
+}
+
+fn none_given(methods: &[String]) -> String {
+    match methods {
+        [] => String::new(),
+        _ => format!(" The tool stands by no interval of {}.", listed(methods)),
+    }
 }
 
 /// The parameter at which the main method's robust intervals fail most, if they do.
