@@ -7,6 +7,7 @@ mod columns;
 mod error;
 mod file;
 mod format;
+mod guard;
 pub mod inspection;
 mod mapped_csv;
 mod movement_folder;

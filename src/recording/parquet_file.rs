@@ -19,6 +19,7 @@ use super::check::refuse_bad;
 use super::columns::Column;
 use super::file::{open, replace};
 use super::format::{Format, WriteOptions};
+use super::guard::guarded;
 use super::rtde_csv::TIME;
 use super::{Channel, ColumnMap, Provenance, Recording, RecordingError};
 
@@ -37,7 +38,8 @@ impl Format for Parquet {
     }
 
     fn read(&self, path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError> {
-        read(path, map)
+        let what = |why: String| Err(damaged(path, why));
+        guarded(|| read(path, map)).unwrap_or_else(what)
     }
 
     fn extensions(&self) -> &'static [&'static str] {

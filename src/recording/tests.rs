@@ -380,6 +380,14 @@ fn damaged_parquet_is_refused() {
     for cut in (1..bytes.len()).step_by(bytes.len() / 40) {
         refused(at(&bytes[..cut]), &["a.parquet", "not a Parquet file"]);
     }
+    // Some damage is not to be seen, none panics.
+    for byte in (0..bytes.len()).rev().take(4000).step_by(5) {
+        let mut broken = bytes.clone();
+        broken[byte] ^= 0x15;
+        if let Err(error) = at(&broken) {
+            assert!(error.to_string().contains("a.parquet"), "byte {byte}: {error}");
+        }
+    }
 }
 
 /// Recordings of every size and shape, with numbers of every size, through every format: the same
