@@ -51,12 +51,18 @@ fn given<'a>(part: &Part<'a>, method: &str) -> Vec<&'a Seen> {
     part.of(method).filter(|r| r.given).collect()
 }
 
+/// Those from which shares over all noises are made.
+fn counted<'a>(part: &Part<'a>, method: &str) -> Vec<&'a Seen> {
+    given(part, method).into_iter().filter(|r| !r.noiseless()).collect()
+}
+
 pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
     let mut rows = Vec::new();
     let mut verdicts: [Vec<String>; 4] = Default::default();
     let mut refused = Vec::new();
     for &method in &part.methods {
-        let (all, given) = (part.of(method).count(), given(part, method));
+        let all = part.of(method).filter(|r| !r.noiseless()).count();
+        let given = counted(part, method);
         if given.is_empty() {
             refused.push(method.to_string());
         }
@@ -89,7 +95,8 @@ pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
         name: "coverage",
         says: format!("{}{}{}", says(&verdicts), none_given(&refused), weakest(part)),
         text: format!(
-            "### Coverage\n\nOf the {:.0} % intervals, over all parameters, seeds and noises; refused \
+            "### Coverage\n\nOf the {:.0} % intervals, over all parameters, seeds and noises (a motor \
+             without any noise does not count: there is nothing for an interval to hold); refused \
              are those the tool does not stand by. Standard errors are of a mean over cells, as \
              the parameters of one recording go together.\n\n{}\n{}",
             100.0 * LEVEL,
@@ -134,7 +141,7 @@ fn none_given(methods: &[String]) -> String {
 
 /// The parameter at which the main method's robust intervals fail most, if they do.
 fn weakest(part: &Part<'_>) -> String {
-    let given = given(part, part.main());
+    let given = counted(part, part.main());
     let only = |label: &str, of: bool| -> Vec<&Seen> {
         given.iter().copied().filter(|r| (r.label == label) == of).collect()
     };

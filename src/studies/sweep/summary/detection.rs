@@ -72,7 +72,8 @@ pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
         .iter()
         .map(|l| (l.to_string(), down_to(&part.snrs, |db| found(l, db, 0) >= FOUND)))
         .collect();
-    let rates: Vec<f64> = (0..RULES.len()).map(|rule| share(&absent, rule)).collect();
+    let counted: Vec<&Seen> = absent.iter().copied().filter(|r| !r.noiseless()).collect();
+    let rates: Vec<f64> = (0..RULES.len()).map(|rule| share(&counted, rule)).collect();
     Ok(Chapter {
         name: "detection",
         says: format!("{} {}", limits_in_words(part, &limits), rates_in_words(&rates)),

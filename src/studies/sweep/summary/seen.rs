@@ -40,6 +40,11 @@ impl Seen {
         (self.truth != 0.0).then(|| ((self.value - self.truth) / self.truth).abs())
     }
 
+    /// A motor's SNR is that of all its channels; an arm keeps the noise of its encoders.
+    pub fn noiseless(&self) -> bool {
+        self.system == "motor" && self.snr_db.is_infinite()
+    }
+
     pub fn held(&self, convention: usize) -> bool {
         let [low, high, _] = self.intervals[convention];
         low <= self.truth && self.truth <= high
