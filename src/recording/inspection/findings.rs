@@ -12,9 +12,13 @@ const ALIKE: f64 = 0.99;
 const SLOPE_OFF: f64 = 0.05;
 /// Velocity noise from differencing neighbouring rounded positions that matters, rad/s.
 const COARSE_RAD_S: f64 = 0.002;
+/// Noise below so much of a step no longer blurs it (docs/studies), ...
+const BLURRED: f64 = 0.25;
+/// ... which matters where the step is so much of the RMS.
+const COARSE_SHARE: f64 = 0.01;
 
 pub fn find(inspection: &Inspection, recording: &Recording) -> Vec<String> {
-    [sampling, missing_signals, units, motion, velocity, rounding, noise]
+    [sampling, missing_signals, units, motion, velocity, rounding, coarse_load, noise]
         .iter()
         .flat_map(|rule| rule(inspection))
         .chain(constant(inspection))
@@ -178,6 +182,31 @@ fn rounding(inspection: &Inspection) -> Vec<String> {
         "positions come in steps of {step:.1e} rad: differences of neighbouring samples carry \
          {noise:.4} rad/s of noise, so filter before differentiating"
     )]
+}
+
+/// Steps of the current or torque that noise does not blur are errors that go with the motion.
+fn coarse_load(inspection: &Inspection) -> Vec<String> {
+    let load = |name: &str| ["actual_current", "actual_moment", "joint_torque"].contains(&name);
+    let coarse = |c: &JointSignal| -> Option<f64> {
+        let share = c.step? / c.rms;
+        (c.noise < BLURRED * c.step? && (COARSE_SHARE..1.0).contains(&share)).then_some(share)
+    };
+    let mut found = Vec::new();
+    for signal in inspection.signals.iter().filter(|s| load(&s.name)) {
+        for (j, column) in signal.columns.iter().enumerate() {
+            let (Some(share), Some(step)) = (coarse(column), column.step) else { continue };
+            found.push(format!(
+                "joint {}: {} comes in steps of {step:.4} {}, {:.0} % of its RMS, and too little \
+                 noise to blur them: friction fitted to it may be off by more than its interval \
+                 says, so record more digits",
+                j + 1,
+                signal.name,
+                signal.unit,
+                100.0 * share
+            ));
+        }
+    }
+    found
 }
 
 fn noise(inspection: &Inspection) -> Vec<String> {
