@@ -14,6 +14,9 @@ use crate::studies::sweep::table::Table;
 const LONGER: &str = "samples (duration)";
 const FASTER: &str = "samples (rate)";
 
+/// By so much the last exponent differs where it is told.
+const STEEPER: f64 = 0.5;
+
 /// Of one cell.
 struct Cost {
     method: String,
@@ -131,6 +134,16 @@ impl Growth {
         above / logs.iter().map(|l| (l.0 - mx).powi(2)).sum::<f64>()
     }
 
+    /// Where the last stretch is steeper than the whole: what would be forecast too low.
+    fn steeper(&self) -> String {
+        let [.., before, last] = &self.points[..] else { return String::new() };
+        let exponent = (last.1 / before.1).ln() / (last.0 / before.0).ln();
+        match exponent > self.exponent() + STEEPER {
+            true => format!("; steeper at the end, from {} s at {}", digits(before.1), before.0),
+            false => String::new(),
+        }
+    }
+
     fn ends(&self) -> [(f64, f64, f64); 2] {
         let nothing = (f64::NAN, f64::NAN, f64::NAN);
         [self.points.first(), self.points.last()].map(|p| p.copied().unwrap_or(nothing))
@@ -156,13 +169,14 @@ impl Growth {
             _ => "grows faster than",
         };
         format!(
-            "**{}** {how} {}: {} s at {}, {} s at {} (exponent {exponent:.2}); memory {:.0} to {:.0} MB.",
+            "**{}** {how} {}: {} s at {}, {} s at {} (exponent {exponent:.2}){}; memory {:.0} to {:.0} MB.",
             self.method,
             self.axis,
             digits(first.1),
             digits(first.0),
             digits(last.1),
             digits(last.0),
+            self.steeper(),
             first.2,
             last.2
         )
