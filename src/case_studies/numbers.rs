@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::figures::Figure;
 use super::page::Page;
 use super::ur5::{Dropped, Study};
 use super::versus::Duel;
@@ -19,7 +20,7 @@ pub struct Numbers<'a> {
     injected: &'a BTreeMap<&'static str, Vec<f64>>,
     studies: Vec<Estimates<'a>>,
     duels: Vec<Law<'a>>,
-    figures: Vec<&'a str>,
+    figures: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -48,7 +49,7 @@ impl Page<'_> {
             injected: &self.injected,
             studies: std::iter::once(self.synthetic).chain(self.real).map(estimates).collect(),
             duels: self.duels.iter().map(|(law, joints)| Law { law, joints }).collect(),
-            figures: self.figures.iter().map(|f| f.file.as_str()).collect(),
+            figures: self.figures.iter().map(Figure::file).collect(),
         }
     }
 }
