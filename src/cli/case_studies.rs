@@ -43,6 +43,9 @@ pub struct Args {
     /// Studies of the DC motor, already made; may be repeated
     #[arg(long, value_name = "FILE.md")]
     study: Vec<PathBuf>,
+    /// Leave the DC motor out, whose searches take most of the time
+    #[arg(long, conflicts_with = "study")]
+    no_motor: bool,
     /// The figures for the viewer
     #[arg(long, value_name = "FILE.rrd")]
     rrd: Option<PathBuf>,
@@ -50,13 +53,14 @@ pub struct Args {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Seeds and starts in the comparison of PSO with NLSE
-    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = SEEDS, value_parser = clap::value_parser!(u64).range(1..))]
     seeds: u64,
     /// Write every estimate and duel of the UR5 as JSON (the DC motor's: armtwin motor --json)
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
 
+const SEEDS: u64 = 50;
 const NO_VIEWER: &str =
     "--rrd: this armtwin was built without the viewer; build it with its default features";
 const SCENARIO: &str = "scenarios/ur5_paper.toml";
@@ -184,6 +188,9 @@ fn motor_section(
     studied: &[String],
     bar: &ProgressBar,
 ) -> anyhow::Result<(Vec<ScenarioReport>, String)> {
+    if args.no_motor {
+        return Ok((Vec::new(), "## DC motor\n\nLeft out (--no-motor).\n".into()));
+    }
     let scenarios = motor::scenarios()?;
     let mut reports = Vec::new();
     for (n, scenario) in scenarios.iter().enumerate() {
@@ -203,7 +210,12 @@ fn read_all(paths: &[PathBuf]) -> anyhow::Result<Vec<String>> {
 
 fn command(args: &Args) -> String {
     let studied = " --study FILE.md".repeat(args.study.len());
-    format!("armtwin case-studies --out docs --seed {}{studied}", args.seed)
+    let motor = if args.no_motor { " --no-motor" } else { "" };
+    let seeds = match args.seeds {
+        SEEDS => String::new(),
+        other => format!(" --seeds {other}"),
+    };
+    format!("armtwin case-studies --out docs --seed {}{seeds}{studied}{motor}", args.seed)
 }
 
 fn write(out: &Path, page: &str, all: &[Figure]) -> anyhow::Result<()> {

@@ -72,7 +72,8 @@ pub struct JointGap {
     pub high_nm: f64,
     /// What the sensors' noise alone would give, N.m.
     pub noise_floor_nm: f64,
-    /// `repeats` (cycles of the recording) or `estimate` (its spectrum where nothing moves).
+    /// `repeats` (cycles of the recording), `estimate` (its spectrum where nothing moves, taken for
+    /// white) or `estimate with colour` (and slower noise, as much as the quietest joint shows).
     pub floor_from: String,
     /// Of the squared gaps of all joints above their floors.
     pub share: f64,
@@ -214,7 +215,8 @@ pub struct Rejected {
 pub struct Leftover {
     /// Per joint: mean square of what is left over that of the noise; 1 where nothing is.
     pub chi2_per_sample: Vec<f64>,
-    /// Per joint: power below 4 Hz over that where nothing moves; 1 for noise.
+    /// Per joint: power below 4 Hz over that where nothing moves (over what noise with a colour has
+    /// there, where it has one); 1 for noise.
     #[serde(default)]
     pub in_motion_band: Vec<f64>,
     pub systematic: bool,

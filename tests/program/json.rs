@@ -93,8 +93,7 @@ fn of_trials_and_studies() {
 fn of_the_case_studies() {
     let folder = TempDir::new().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
-    std::fs::write(at("motor.md"), "as made elsewhere\n").unwrap();
-    let quick = ["case-studies", "--seeds", "1", "--motor", &at("motor.md"), "--out", &at("docs")];
+    let quick = ["case-studies", "--seeds", "1", "--no-motor", "--out", &at("docs")];
     let studies = json(folder.path(), "armtwin.case_studies/1", &quick);
     let synthetic = &studies["studies"][0];
     assert_eq!(synthetic["name"], "synthetic");
@@ -105,9 +104,9 @@ fn of_the_case_studies() {
     let duel = &studies["duels"][0]["joints"][0];
     assert_eq!(duel["swarm"]["runs"], 1);
     let page = std::fs::read_to_string(at("docs/case-studies.md")).unwrap();
-    assert!(page.contains("Table V") && page.contains("as made elsewhere"));
+    assert!(page.contains("Table V") && page.contains("Left out (--no-motor)"));
     for figure in studies["figures"].as_array().unwrap() {
-        let file = format!("docs/img/case-studies/{}", figure.as_str().unwrap());
+        let file = format!("docs/{}", figure.as_str().unwrap());
         assert!(Path::new(&at(&file)).is_file(), "{file}");
     }
 }
