@@ -66,10 +66,11 @@ impl<'a, 'e> Search<'a, 'e> {
     /// The best account of the gap.
     pub fn account(&self) -> Account<'a, 'e> {
         let mut account = self.chosen();
+        account.standings = self.ordered(&account.rounds, &account.last.fit.model);
         for _ in 0..RENAMINGS {
-            account.standings = self.ordered(&account.rounds, &account.last.fit.model);
             let Some(model) = renamed(&account.standings) else { break };
             account.last = self.state(model);
+            account.standings = self.ordered(&account.rounds, &account.last.fit.model);
         }
         // What is told is what a mended twin can hold.
         while let Some(model) = account.last.fit.without_pushing() {
