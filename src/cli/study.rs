@@ -9,6 +9,7 @@ use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::save;
+use crate::report::html::study_report;
 use crate::studies::StudyError;
 use crate::studies::sweep::{self, Page, Question, Ran, Shard, Store, Study, Table};
 
@@ -22,8 +23,8 @@ Examples: armtwin study scenarios/studies/identification.toml --out identificati
           armtwin study report identification
 
 Every finished cell is kept in OUT/parts; a study that was killed goes on where it was when the
-same command is run again. When all cells are there: cells.parquet, timings.parquet, summary.md and
-the plots. See docs/studies/README.md.")]
+same command is run again. When all cells are there: cells.parquet, timings.parquet, summary.md, the
+plots, and both in one report.html for any browser. See docs/studies/README.md.")]
 pub struct Args {
     /// Question, arm, grids (TOML)
     #[arg(required = true, value_name = "STUDY.toml")]
@@ -188,9 +189,10 @@ fn report(out: &Path, study: &Study, [cells, timings]: &[Table; 2]) -> anyhow::R
     for (name, svg) in &figures {
         save::text(&out.join(name), svg)?;
     }
+    save::text(&out.join("report.html"), &study_report(&text, &figures))?;
     save::text(&out.join("summary.md"), &text)?;
     let names: Vec<&str> = figures.iter().map(|(name, _)| name.as_str()).collect();
-    println!("{}: summary.md, {}", out.display(), names.join(", "));
+    println!("{}: summary.md, report.html, {}", out.display(), names.join(", "));
     Ok(())
 }
 

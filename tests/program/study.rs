@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
+use super::browser::assert_sound;
 use super::{Output, armtwin};
 
 fn text(path: &Path) -> &str {
@@ -57,6 +58,10 @@ fn whole_and_in_shards(name: &str, question: &str) -> String {
     assert!(early.code == 1 && early.stderr.contains("are missing"), "{}", early.stderr);
     done(&file, &at("two"), &["--shard", "2/2", "--jobs", "1"]);
     let [one, two, merged] = ["one", "two", "merged"].map(at);
+    let chapters = summary.lines().filter_map(|line| line.strip_prefix("## "));
+    let chapters: Vec<String> = chapters.map(|c| c.to_lowercase().replace(' ', "-")).collect();
+    let sections: Vec<&str> = chapters.iter().map(String::as_str).chain(["summary"]).collect();
+    assert_sound(&at("whole").join("report.html"), &sections, 0);
     let merge = armtwin(&["study", "merge", text(&two), text(&one), "--out", text(&merged)]);
     assert_eq!(merge.code, 0, "{}", merge.stderr);
     let [single, joined] = [at("whole"), merged].map(|out| results(&out, question));

@@ -15,7 +15,7 @@ pub struct Page<'a> {
 
 pub struct Section {
     /// What a link ends in.
-    pub id: &'static str,
+    pub id: String,
     pub title: String,
     pub body: Markup,
 }
@@ -24,8 +24,8 @@ pub struct Section {
 pub type Fact = (String, String);
 
 impl Section {
-    pub fn new(id: &'static str, title: impl Into<String>, body: Markup) -> Self {
-        Self { id, title: title.into(), body }
+    pub fn new(id: impl Into<String>, title: impl Into<String>, body: Markup) -> Self {
+        Self { id: id.into(), title: title.into(), body }
     }
 }
 

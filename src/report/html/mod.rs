@@ -6,6 +6,7 @@ mod frame;
 mod identification;
 mod motor;
 mod plot;
+mod study;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -14,3 +15,4 @@ pub use diagnosis::{DiagnosisReport, diagnosis_report};
 pub use frame::{Fact, Page, Section};
 pub use identification::{FrictionCurve, IdentificationReport, identification_report};
 pub use motor::motor_report;
+pub use study::study_report;
