@@ -126,7 +126,7 @@ impl<'a, 'e> Search<'a, 'e> {
     /// The one with the higher score; what the other says is noted.
     fn better(&self, one: Account<'a, 'e>, other: Account<'a, 'e>) -> Account<'a, 'e> {
         let share = effective_shares(&one.last.fit.system.residual);
-        let scores = [&one, &other].map(|a| self.evidence(&a.start, &a.last, &share));
+        let scores = [&one, &other].map(|a| self.log_evidence(&a.start, &a.last, &share));
         let (mut best, next, lead) = match scores[0] >= scores[1] {
             true => (one, other, scores[0] - scores[1]),
             false => (other, one, scores[1] - scores[0]),

@@ -1,10 +1,11 @@
 //! Is what a model leaves noise that has a colour, or something that the arm's motion makes?
 //!
-//! What depends on the motion, however, can be learnt from one recording and predicted on another;
-//! noise cannot. So a linear model of many plain features of the motion is fitted to what is left of
-//! the first recording, and held against what is left of the second. Where it predicts next to nothing
-//! of even the quietest joint, that joint's level is noise: slower than white, and as much slower at
-//! the other joints, whose sensors are alike.
+//! What depends on the motion can be learnt from one recording and predicted on another; noise
+//! cannot. So a linear model of many plain features of the motion is fitted to what is left of the
+//! first recording and held against what is left of the second (ridge regression: Hoerl, Kennard,
+//! Technometrics 12(1), 1970). Where it predicts next to nothing of even the quietest joint, that
+//! joint's level is noise: slower than white, and as much slower at the other joints, whose sensors
+//! are alike.
 
 use std::sync::OnceLock;
 

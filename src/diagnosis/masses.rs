@@ -16,12 +16,12 @@ use super::select::Search;
 const CREDIBLE: f64 = 2.0;
 
 impl<'a, 'e> Search<'a, 'e> {
-    /// Of a state against another, nats, where `share` of the samples count, joint by joint.
-    pub fn evidence(&self, from: &State, state: &State, share: &[f64]) -> f64 {
+    /// Log marginal likelihood of a state against another, nats, where `share` of the samples count, joint by joint.
+    pub fn log_evidence(&self, from: &State, state: &State, share: &[f64]) -> f64 {
         let gained: f64 = self.gains(from, &state.fit, &state.residual, share).iter().sum();
         let causes = 0..state.fit.model.causes.len();
         let prices: f64 = causes.map(|i| price(&state.fit, i)).sum();
-        gained - prices - state.fit.system.cost_of_known(&state.fit.model.priors())
+        gained - prices - state.fit.system.occam_penalty(&state.fit.model.priors())
     }
 
     /// Could masses within what is known of them be an account of the gap that does better?
@@ -31,7 +31,7 @@ impl<'a, 'e> Search<'a, 'e> {
         }
         let causes = &exact.last.fit.model.causes;
         let share = effective_shares(&exact.last.fit.system.residual);
-        let evidence = |state: &State| self.evidence(&exact.start, state, &share);
+        let evidence = |state: &State| self.log_evidence(&exact.start, state, &share);
         let to_beat = evidence(&exact.last);
         let mut model = Model::of_uncertain(self.fit.twin, self.settings);
         model.causes.clone_from(causes);
@@ -51,7 +51,7 @@ impl<'a, 'e> Search<'a, 'e> {
     pub fn with_masses(&self, exact: Account<'a, 'e>, free: Account<'a, 'e>) -> Account<'a, 'e> {
         let share = effective_shares(&free.last.fit.system.residual);
         let [of_exact, of_free] =
-            [&exact, &free].map(|a| self.evidence(&exact.start, &a.last, &share));
+            [&exact, &free].map(|a| self.log_evidence(&exact.start, &a.last, &share));
         let off = off_by(&free);
         let [taken, names] = [&exact, &free].map(Account::names);
         let (mut best, other) = match off <= CREDIBLE && of_free > of_exact {

@@ -80,10 +80,10 @@ impl System {
         }
     }
 
-    /// What parameters with a finite prior cost, nats: how far they are from zero by it, and how much
-    /// the data narrow them,
+    /// The logarithm of Occam's factor, negated, of parameters with a finite prior, nats: how far
+    /// they are from zero by it, and how much the data narrow them,
     /// 1/2 sum (x/s)^2 + 1/2 ln det(I + S G S), G the information on them given the others.
-    pub fn cost_of_known(&self, priors: &[f64]) -> f64 {
+    pub fn occam_penalty(&self, priors: &[f64]) -> f64 {
         let (known, free): (Vec<usize>, Vec<usize>) =
             (0..priors.len()).partition(|&i| priors[i].is_finite());
         if known.is_empty() {
