@@ -7,24 +7,35 @@ use crate::signals::{Conditioning, Derivatives};
 /// says little more about slow causes, and costs its length at every candidate.
 const LONG: usize = 9000;
 
+/// Beside standstill where the torque is low-passed, s.
+const GUARD_S: f64 = 0.04;
+
 /// Where a command of all `dof` joints is recorded with its derivatives, motion is that command
 /// plus the smoothed tracking error: hardly any differentiation noise, so the torque need not be
-/// filtered and reversals stay sharp. Else the defaults of a regression on measured positions.
+/// filtered and reversals stay sharp. Then nothing smears the torque of a standing joint, and what
+/// friction does before it slides shows right beside standstill. Else the defaults of a regression
+/// on measured positions.
 pub fn conditioning(recording: &Recording, dof: usize) -> Conditioning {
     let commanded =
         |stem: &str| (0..dof).all(|j| recording.channel(&format!("{stem}_{j}")).is_some());
-    match ["target_q", "target_qd", "target_qdd"].into_iter().all(commanded) {
+    if !["target_q", "target_qd", "target_qdd"].into_iter().all(commanded) {
+        return Conditioning::default();
+    }
+    let sharp = Conditioning {
+        derivatives: Derivatives::TrackingError,
+        motion_cutoff_hz: 10.0,
+        standstill_cutoff_hz: 15.0,
+        torque_cutoff_hz: 0.0,
+        standstill_rad_s: 0.03,
+        guard_s: 0.0,
+        ..Conditioning::default()
+    };
+    match recording.time.len() > LONG {
         true => Conditioning {
-            derivatives: Derivatives::TrackingError,
-            motion_cutoff_hz: 10.0,
-            torque_cutoff_hz: match recording.time.len() {
-                n if n > LONG => Conditioning::default().torque_cutoff_hz,
-                _ => 0.0,
-            },
-            standstill_rad_s: 0.03,
-            guard_s: 0.04,
-            ..Conditioning::default()
+            torque_cutoff_hz: Conditioning::default().torque_cutoff_hz,
+            guard_s: GUARD_S,
+            ..sharp
         },
-        false => Conditioning::default(),
+        false => sharp,
     }
 }

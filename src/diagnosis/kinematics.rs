@@ -21,7 +21,7 @@ const CLEAR: f64 = 5.0;
 /// Of the mean square of qd - qd_r: less taken off the check recording is no finding.
 const LEAST_SHARE: f64 = 0.05;
 /// Of the sample interval: positions and velocities are not taken at one instant better than this.
-const SIMULTANEOUS: f64 = 1.0 / 16.0;
+const SIMULTANEOUS: f64 = 1.0 / 8.0;
 /// Standard deviations within which joints lag alike.
 const ALIKE: f64 = 4.0;
 /// That a lag found this clearly is none.

@@ -16,6 +16,7 @@ mod floor;
 mod gap;
 mod intervals;
 mod kinematics;
+mod late;
 mod leftover;
 mod local_noise;
 mod locate;
@@ -121,10 +122,34 @@ pub fn diagnose_traced(
     check: &Samples,
     settings: &Settings,
 ) -> Result<(Diagnosis, Traces), DiagnosisError> {
-    let (fit, check) = (twin.correct(fit), twin.correct(check));
-    let floors = [noise_floor(&fit, twin), noise_floor(&check, twin)];
+    let recordings = [twin.correct(fit), twin.correct(check)];
+    let first = once(twin, &recordings, settings)?;
+    match late::away_from_standstill(&recordings, first.delay_s) {
+        Some(recordings) => {
+            let again = once(twin, &recordings, settings)?;
+            let found = if again.delay_s > 0.0 { again } else { first };
+            Ok((found.answer, found.traces))
+        }
+        None => Ok((first.answer, first.traces)),
+    }
+}
+
+/// What a pass over both recordings finds.
+struct Found {
+    answer: Diagnosis,
+    traces: Traces,
+    /// How late the torque is by the causes that were found, 0 if it is not.
+    delay_s: f64,
+}
+
+fn once(
+    twin: &Twin,
+    [fit, check]: &[Samples; 2],
+    settings: &Settings,
+) -> Result<Found, DiagnosisError> {
+    let floors = [noise_floor(fit, twin), noise_floor(check, twin)];
     let evidence = |samples, floor| evidence::Evidence::new(twin, samples, floor);
-    let (fit, check) = (evidence(&fit, &floors[0])?, evidence(&check, &floors[1])?);
+    let (fit, check) = (evidence(fit, &floors[0])?, evidence(check, &floors[1])?);
     let candidates = candidate::candidates(twin, &settings.without);
     let colours = colour::Colours::new(&fit, &check);
     let search =
@@ -132,5 +157,5 @@ pub fn diagnose_traced(
     let findings = verdict::Findings::new(&search, &floors[1]);
     let answer = findings.answer();
     let traces = Traces::new(&findings, &answer);
-    Ok((answer, traces))
+    Ok(Found { answer, traces, delay_s: late::delay(&findings.account.last.fit) })
 }

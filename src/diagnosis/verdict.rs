@@ -29,9 +29,10 @@ const SCHEMA: &str = "armtwin.diagnosis/1";
 /// More than this for "unknown" and no cause is named.
 const ABSTAIN: f64 = 0.5;
 
-/// Causes at one joint from which on something unknown is likelier, and how likely it is then.
+/// Causes at one joint from which on something unknown is likelier.
 const MOST_AT_A_JOINT: usize = 3;
-const CROWDED: f64 = 0.8;
+/// Of "unknown" where the causes rather stand in for something else.
+const STANDS_IN: f64 = 0.8;
 /// Of "unknown" where velocities lag and the catalogue may not say so.
 const UNEXPLAINED_LAG: f64 = 0.8;
 
@@ -78,6 +79,14 @@ impl<'a, 'e> Findings<'a, 'e> {
         (0..self.search.fit.joints()).any(|j| at(j) >= MOST_AT_A_JOINT)
     }
 
+    /// The strongest cause and what does better in its place, yet cannot be named itself: at the end of
+    /// its range, or not in all it says.
+    fn outdone(&self) -> Option<[&Hypothesis<'a, 'e>; 2]> {
+        let standing = self.account.standings.first()?;
+        let (cause, best) = (standing.cause(), standing.ranked.first()?);
+        (best.score > cause.score + standing.tolerance).then_some([cause, best])
+    }
+
     pub fn answer(&self) -> Diagnosis {
         let accepted = self.accepted();
         let remains = Remains::new(
@@ -88,7 +97,7 @@ impl<'a, 'e> Findings<'a, 'e> {
         );
         let unknown = match accepted.is_empty() {
             true => probability::of_something(&remains),
-            false if self.is_crowded() => CROWDED,
+            false if self.is_crowded() || self.outdone().is_some() => STANDS_IN,
             false => probability::of_unknown(&remains, &self.touched()),
         };
         let named = !accepted.is_empty() && unknown <= ABSTAIN;
@@ -327,7 +336,15 @@ impl<'a, 'e> Findings<'a, 'e> {
                 remains.inexactness()
             ));
         }
-        if unknown > ABSTAIN && !self.accepted().is_empty() {
+        if let Some([cause, rival]) = self.outdone() {
+            let only = rival.at_bound.map(|p| format!(", but only with {p} at its bound"));
+            notes.push(format!(
+                "{} fits better in the place of {}{}",
+                describe(rival.trial.candidate),
+                describe(cause.trial.candidate),
+                only.unwrap_or_default()
+            ));
+        } else if unknown > ABSTAIN && !self.accepted().is_empty() {
             let names: Vec<String> =
                 self.accepted().iter().map(|h| describe(h.trial.candidate)).collect();
             notes.push(format!(

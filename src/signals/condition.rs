@@ -1,16 +1,15 @@
 //! The way from a recording to samples, one step after the other.
 
 use super::channels::{Picked, pick};
+use super::tracking::tracked;
 use super::{
-    Conditioning, Derivatives, LowPass, Samples, SavitzkyGolay, SignalError, UniformGrid,
-    central_difference, erode, mean_difference, second_difference,
+    Conditioning, Derivatives, LowPass, Samples, SignalError, UniformGrid, central_difference,
+    erode, mean_difference, second_difference,
 };
 use crate::recording::Recording;
 use crate::robot::Drive;
 use crate::series::JointSeries;
 
-/// Of the polynomial that smooths the tracking error: its second derivative is a parabola.
-const TRACKING_DEGREE: usize = 4;
 /// Usable samples below which nothing can be fitted.
 const FEWEST_USABLE: usize = 10;
 
@@ -64,6 +63,7 @@ fn check(how: &Conditioning) -> Result<(), SignalError> {
     let bad = |key, value, remedy| Err(SignalError::Setting { key, value, remedy });
     let not_negative = [
         ("motion_cutoff_hz", how.motion_cutoff_hz),
+        ("standstill_cutoff_hz", how.standstill_cutoff_hz),
         ("torque_cutoff_hz", how.torque_cutoff_hz),
         ("standstill_rad_s", how.standstill_rad_s),
         ("guard_s", how.guard_s),
@@ -151,7 +151,7 @@ fn differentiate(
     let smooth = |series: &JointSeries| low_passed(filter.as_ref(), carry(series));
     let by_time = |x: &JointSeries| x.map_joints(|_, x| central_difference(x, dt));
     match (&picked.target, &picked.qd) {
-        (Some(target), _) => Ok(track(&carry(&picked.q), &target.each_ref().map(carry), dt, how)),
+        (Some(target), _) => Ok(tracked(&carry(&picked.q), &target.each_ref().map(carry), dt, how)),
         (None, Some(qd)) if how.derivatives == Derivatives::Paper => {
             let qd = carry(qd);
             let qdd = qd.map_joints(|_, x| mean_difference(x, dt));
@@ -176,28 +176,4 @@ fn low_passed(filter: Option<&LowPass>, series: JointSeries) -> JointSeries {
     let mut rows: Vec<Vec<f64>> = (0..series.joints()).map(|j| series.joint(j).to_vec()).collect();
     filter.apply_many(&mut rows);
     JointSeries::from_joints(&rows)
-}
-
-/// Commanded motion plus the smoothed tracking error e = q - q_target and its derivatives.
-fn track(
-    q: &JointSeries,
-    target: &[JointSeries; 3],
-    dt: f64,
-    how: &Conditioning,
-) -> [JointSeries; 3] {
-    let cutoff = if how.motion_cutoff_hz > 0.0 { how.motion_cutoff_hz } else { 0.4 / dt };
-    let smoother = SavitzkyGolay::with_cutoff(cutoff, 1.0 / dt, TRACKING_DEGREE);
-    let error = q.map_joints(|j, q| difference(q, target[0].joint(j)));
-    [0, 1, 2].map(|order| {
-        let corrections = error.map_joints(|_, e| smoother.apply(e, order));
-        corrections.map_joints(|j, c| sum(c, target[order].joint(j)))
-    })
-}
-
-fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a - b).collect()
-}
-
-fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a + b).collect()
 }

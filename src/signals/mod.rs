@@ -15,6 +15,7 @@ mod low_pass;
 mod mask;
 mod resample;
 mod savitzky_golay;
+mod tracking;
 
 pub use condition::condition;
 pub use decimator::Decimator;
@@ -44,6 +45,10 @@ pub struct Conditioning {
     /// tracking error alone where [`Derivatives::TrackingError`] is chosen. Well above the torque
     /// cutoff, so that reversals stay sharp: the torque filter then smooths both sides alike.
     pub motion_cutoff_hz: f64,
+    /// The same near standstill, where friction that changes its sign kinks the motion: more noise
+    /// there, but less of the kink smeared over its neighbours. For [`Derivatives::TrackingError`];
+    /// not above the other is as elsewhere.
+    pub standstill_cutoff_hz: f64,
     /// Zero-phase low-pass of torque and regressors alike, Hz; 0 is none.
     pub torque_cutoff_hz: f64,
     /// Butterworth order (each pass; forward and backward doubles it).
@@ -81,6 +86,7 @@ impl Default for Conditioning {
             gap_periods: 5.0,
             derivatives: Derivatives::Position,
             motion_cutoff_hz: 20.0,
+            standstill_cutoff_hz: 0.0,
             torque_cutoff_hz: 8.0,
             filter_order: 4,
             standstill_rad_s: 0.02,
