@@ -9,6 +9,8 @@ const LONG: usize = 9000;
 
 /// Beside standstill where the torque is low-passed, s.
 const GUARD_S: f64 = 0.04;
+/// Where it is not: the first sample that slides again is half a standing one.
+const SHARP_GUARD_S: f64 = 0.008;
 
 /// Where a command of all `dof` joints is recorded with its derivatives, motion is that command
 /// plus the smoothed tracking error: hardly any differentiation noise, so the torque need not be
@@ -24,10 +26,10 @@ pub fn conditioning(recording: &Recording, dof: usize) -> Conditioning {
     let sharp = Conditioning {
         derivatives: Derivatives::TrackingError,
         motion_cutoff_hz: 10.0,
-        standstill_cutoff_hz: 15.0,
+        standstill_cutoff_hz: 20.0,
         torque_cutoff_hz: 0.0,
         standstill_rad_s: 0.03,
-        guard_s: 0.0,
+        guard_s: SHARP_GUARD_S,
         ..Conditioning::default()
     };
     match recording.time.len() > LONG {
