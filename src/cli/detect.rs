@@ -136,8 +136,8 @@ fn page(settings: &Settings, measured: &[Detectability]) -> String {
          Each effect as `scenarios/effects/NAME.toml` hides it, at {snr} dB, in two recordings of \
          {duration} s. *Told from*: the weakest strength (in steps of the square root of two, all \
          its linear values alike) at which the fit with the effect predicts the second recording \
-         better than the fit without it in at least {share} % of {seeds} draws of the sensors' \
-         noise; the largest value of a joint, its share of the scenario's, and the effect's own \
+         better than the fit without it (without play, of slack teeth: they still give way) in at \
+         least {share} % of {seeds} draws of the sensors' noise; the largest value of a joint, its share of the scenario's, and the effect's own \
          torque there over the current's noise, RMS at the joint where it is largest. *Parameter \
          error*: median at the scenario's values. *Left*: what the fits leave there of the second \
          recording, in variances of the noise per sample.\n\n\

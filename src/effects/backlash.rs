@@ -3,10 +3,15 @@
 //! Positions are the motor's. How the link crosses the gap while its load passes through zero, and
 //! how it winds the touching teeth up, is not linear in the gap: the columns are worked out at gap0
 //! with all of that and hold where the fitted gap comes near it (fit again with gap0 = gap). Felt by
-//! all joints. Of several slack joints each column takes the others for rigid. Injecting takes the
-//! gap alone.
+//! all joints. Of several slack joints each column comes on top of those before it
+//! ([`Motion::giving`]). Injecting takes the gap alone.
+//!
+//! What recordings show: the gap wherever the load passes through zero while the joint moves. The
+//! stiffness only where a load winds the touching teeth up (a shoulder's; an elbow's or a base's
+//! hardly), the damping of the teeth not at all: blows end above the usual low-passes. An arm held
+//! where its load stays about zero floats in the gap; on what path, no recording foretells.
 
-use super::wind_up::{lagging, wind_up};
+use super::wind_up::lagging;
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission, starts};
 use crate::series::JointSeries;
 
@@ -51,7 +56,7 @@ static ABOUT: About = About {
             name: "gap_reference",
             symbol: "gap0",
             unit: "rad",
-            min: 1e-6,
+            min: 1e-12,
             max: 0.05,
             typical: 0.001,
             null: f64::NAN,
@@ -87,17 +92,24 @@ impl Effect for Backlash {
 
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
         let [stiffness, damping, gap] = *nonlinear else { return vec![] };
-        let law = Transmission { stiffness, damping, gap, ..Transmission::default() };
-        vec![lagging(motion, from, &wind_up(motion, from, &law), gap)]
+        let teeth = Transmission { stiffness, damping, gap, ..Transmission::default() };
+        let law = before(motion.giving.get(from).copied().flatten(), teeth);
+        vec![lagging(motion, from, law, gap)]
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         if values[0] > 0.0 {
-            let transmission = mechanism.transmission[joint].get_or_insert_default();
-            transmission.gap = values[0];
-            if transmission.stiffness == 0.0 {
-                (transmission.stiffness, transmission.damping) = (values[1], values[2]);
-            }
+            let [gap, stiffness, damping] = [values[0], values[1], values[2]];
+            let teeth = Transmission { stiffness, damping, gap, ..Transmission::default() };
+            let slot = &mut mechanism.transmission[joint];
+            *slot = Some(before(*slot, teeth));
         }
     }
+}
+
+/// Slack teeth before an elastic joint: one spring after the other, and what else that has itself.
+fn before(elastic: Option<Transmission>, teeth: Transmission) -> Transmission {
+    let Some(elastic) = elastic else { return teeth };
+    let stiffness = 1.0 / (1.0 / elastic.stiffness + 1.0 / teeth.stiffness);
+    Transmission { stiffness, gap: teeth.gap, ..elastic }
 }

@@ -3,7 +3,8 @@
 use super::Effect;
 
 /// Every effect armtwin knows, in the order of the docs. A twin adds up their torques in this order
-/// (what scales the drive's torque after what makes it, what turns gravity after what has mass), and
+/// (what scales the drive's torque after what makes it, what turns gravity after what has mass, what jumps
+/// after what is smooth), and
 /// sensors show them in this order.
 pub static CATALOGUE: &[&dyn Effect] = &[
     &super::coulomb::Coulomb,
@@ -17,8 +18,8 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &super::presliding::Presliding,
     &super::lugre::Lugre,
     &super::maxwell_slip::MaxwellSlip,
-    &super::backlash::Backlash,
     &super::joint_flexibility::JointFlexibility,
+    &super::backlash::Backlash,
     &super::torque_ripple::TorqueRipple,
     &super::cable_spring::CableSpring,
     &super::joint_coupling::JointCoupling,

@@ -3,9 +3,9 @@
 //! Positions are the motor's. The wind-up follows the load through the joint's resonance, which
 //! is not linear in c: the columns are worked out at the compliance c0 and hold where the fitted c
 //! comes near it (fit again with c0 = c). Felt by all joints. Of several elastic joints each column
-//! takes the others for rigid. Injecting takes c alone.
+//! comes on top of those before it ([`Motion::giving`]). Injecting takes c alone.
 
-use super::wind_up::{lagging, wind_up};
+use super::wind_up::lagging;
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission, starts};
 use crate::series::JointSeries;
 
@@ -116,20 +116,19 @@ impl Effect for JointFlexibility {
             hysteresis,
             hysteresis_width,
         };
-        vec![lagging(motion, from, &wind_up(motion, from, &law), reference)]
+        vec![lagging(motion, from, law, reference)]
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         if values[0] > 0.0 {
-            let transmission = mechanism.transmission[joint].get_or_insert_default();
-            *transmission = Transmission {
+            mechanism.transmission[joint] = Some(Transmission {
                 stiffness: 1.0 / values[0],
                 hardening: values[1],
                 damping: values[2],
+                gap: 0.0,
                 hysteresis: values[3],
                 hysteresis_width: values[4],
-                ..*transmission
-            };
+            });
         }
     }
 }

@@ -48,8 +48,11 @@ impl Transmission {
 
     /// N.m.s/rad at a wind-up (rad): none while nothing touches.
     pub fn damping_at(&self, wind_up: f64) -> f64 {
-        let touches = self.gap == 0.0 || self.beyond_gap(wind_up) != 0.0;
-        if touches { self.damping } else { 0.0 }
+        if self.touches(wind_up) { self.damping } else { 0.0 }
+    }
+
+    pub(super) fn touches(&self, wind_up: f64) -> bool {
+        self.gap == 0.0 || self.beyond_gap(wind_up) != 0.0
     }
 
     /// The state of the hysteresis, -1 to 1, after a wind-up by `dw` (rad) more.

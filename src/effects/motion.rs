@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::Transmission;
 use super::rigid::{self, Rigid, Slopes};
 use crate::robot::Robot;
 use crate::series::JointSeries;
@@ -25,6 +26,8 @@ pub struct Motion<'a> {
     /// What is known of the drive's torque without the effect in question, N.m: see
     /// [`Motion::drive_torque`].
     pub known: Option<&'a JointSeries>,
+    /// Transmissions of `robot` that are known to give way, by joint; empty where all are rigid.
+    pub giving: &'a [Option<Transmission>],
     /// Of `robot` along this motion, kept for the next candidate; `None` works it out each time.
     pub rigid: Option<&'a Rigid>,
 }
@@ -48,6 +51,7 @@ impl<'a> Motion<'a> {
             temperature: None,
             band_hz: f64::INFINITY,
             known: None,
+            giving: &[],
             rigid: None,
         }
     }

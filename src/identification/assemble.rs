@@ -9,7 +9,9 @@ use super::problem::{Curve, JointProblem, Parameter, Reduce};
 use super::regressors::{Regressor, columns_of};
 use super::terms::Terms;
 use super::{separable, shared};
-use crate::effects::{self, About, Effect, Motion, Role, Scope, Seen};
+use crate::effects::{
+    self, About, CATALOGUE, Effect, Mechanism, Motion, Role, Scope, Seen, Transmission,
+};
 use crate::robot::Robot;
 use crate::series::JointSeries;
 use crate::signals::{LowPass, Rows, Samples};
@@ -62,9 +64,10 @@ pub fn assemble_around(
     let samples = &twin.correct(samples);
     let mut arm = assemble_on(samples, twin, terms, twin, located)?;
     let open = open_references(twin, terms);
-    if !arm.shared.is_empty() && (terms.contains("load_friction") || !open.is_empty()) {
-        // Gears carry the load that is being fitted, too, and references follow what is fitted:
-        // once more with both.
+    let entangled = terms.contains("load_friction") || give_way(terms) || !open.is_empty();
+    if !arm.shared.is_empty() && entangled {
+        // Gears carry the load that is being fitted, too, joints that give way pull at each other,
+        // and references follow what is fitted: once more with all that.
         let found = shared::solve(&arm, &separable::Settings::default())?;
         let fitted = with_shared(twin, terms, &arm.shared, &found);
         let mut settled = twin.clone();
@@ -77,6 +80,12 @@ pub fn assemble_around(
     }
     arm.set_bounds(bounds)?;
     Ok(arm)
+}
+
+/// Are there effects whose columns at one joint hang on their values at others?
+fn give_way(terms: &Terms) -> bool {
+    let referred = |e: &dyn Effect| e.about().parameters.iter().any(|p| p.is_reference());
+    terms.with_scope(Scope::Link).any(referred)
 }
 
 /// References of effects to be fitted that the twin leaves open.
@@ -291,8 +300,9 @@ impl Assembly<'_> {
         for effect in self.terms.with_scope(Scope::Link) {
             let about = effect.about();
             let robot = &self.under(effect);
-            let motion = Motion { robot, ..self.motion };
             for from in 0..self.twin.robot.dof() {
+                let giving = &self.giving(effect, from);
+                let motion = Motion { robot, giving, ..self.motion };
                 let nonlinear = self.nonlinear(about, from)?;
                 let linear = about.parameters.iter().filter(|p| p.role == Role::Linear);
                 let named = |p: Parameter| Parameter { name: at_joint(&p.name, from), ..p };
@@ -312,6 +322,35 @@ impl Assembly<'_> {
             }
         }
         Ok(all)
+    }
+
+    /// What gives way already where an effect at a joint comes to it, in the order of the catalogue
+    /// and from the base.
+    fn giving(&self, effect: &dyn Effect, from: usize) -> Vec<Option<Transmission>> {
+        let mut mechanism = Mechanism::new(self.twin.robot.clone());
+        let place = effects::order(effect);
+        for before in CATALOGUE[..=place].iter().filter(|e| e.about().scope == Scope::Link) {
+            let end = if effects::order(*before) == place { from } else { self.twin.robot.dof() };
+            for joint in 0..end {
+                if let Some(values) = self.values_at(*before, joint) {
+                    before.build(&values, joint, &mut mechanism);
+                }
+            }
+        }
+        mechanism.transmission
+    }
+
+    /// As located, or else as known or fitted before.
+    fn values_at(&self, effect: &dyn Effect, joint: usize) -> Option<Vec<f64>> {
+        match self.located(effect, joint) {
+            Some(l) => Some([&l.linear[..], &l.nonlinear].concat()),
+            None if self.knows_or_fits(effect) => self.built.values_at(effect, joint),
+            None => None,
+        }
+    }
+
+    fn knows_or_fits(&self, effect: &dyn Effect) -> bool {
+        self.built.effects.iter().any(|name| name == effect.about().name)
     }
 
     fn located(&self, effect: &dyn Effect, joint: usize) -> Option<&Located> {

@@ -20,6 +20,9 @@ use crate::twin::Twin;
 
 /// Relative step of the difference that stands for a derivative.
 const STEP: f64 = 3e-4;
+/// The same where columns follow a reference: those of a slack joint jump with the blow that sends a
+/// link back, and what they do over a small step says nothing of what they do over a wide one.
+const WIDE_STEP: f64 = 0.2;
 /// A parameter is taken for no smaller.
 const SMALLEST: f64 = 1e-6;
 /// A step of Gauss-Newton is cut to this factor.
@@ -67,6 +70,11 @@ impl Located {
         self.effect.about().parameters.iter().filter(move |p| p.role == role)
     }
 
+    /// Do its columns follow what is fitted?
+    fn follows(&self) -> bool {
+        self.of_role(Role::Nonlinear).any(|p| p.is_reference())
+    }
+
     /// Was it found at this joint?
     pub fn shows(&self) -> bool {
         self.linear.iter().any(|a| *a != 0.0)
@@ -86,16 +94,17 @@ impl Located {
             sum
         };
         let mut rest = torque(linear, nonlinear);
+        let share = if self.follows() { WIDE_STEP } else { STEP };
         let mut slopes = Vec::new();
         for (k, p) in self.of_role(Role::Linear).enumerate() {
-            let series = derivative(linear, k, |a| torque(a, nonlinear));
+            let series = derivative(linear, k, share, |a| torque(a, nonlinear));
             slopes.push(Slope { parameter: searched(p), series, centre: 0.0, of: Arc::default() });
             axpy(-linear[k], &slopes[k].series, &mut rest);
         }
         let of: Arc<[&'static str]> = self.of_role(Role::Linear).map(|p| p.name).collect();
         let parameters: Vec<_> = self.of_role(Role::Nonlinear).collect();
         for &k in &self.open {
-            let series = derivative(nonlinear, k, |b| torque(linear, b));
+            let series = derivative(nonlinear, k, share, |b| torque(linear, b));
             let centre = nonlinear[k];
             let parameter = around(parameters[k], centre);
             slopes.push(Slope { parameter, series, centre, of: of.clone() });
@@ -104,9 +113,9 @@ impl Located {
     }
 }
 
-/// df/dx_k by a central difference.
-fn derivative(x: &[f64], k: usize, f: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
-    let step = STEP * x[k].abs().max(SMALLEST);
+/// df/dx_k by a central difference over this share of x_k either way.
+fn derivative(x: &[f64], k: usize, share: f64, f: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    let step = share * x[k].abs().max(SMALLEST);
     let at = |to: f64| {
         let mut moved = x.to_vec();
         moved[k] += to;
@@ -188,7 +197,7 @@ fn step(located: &mut Located, arm: &ArmProblem, found: &Found) -> f64 {
     let linear: Vec<Option<f64>> = located.of_role(Role::Linear).map(|p| value(p.name)).collect();
     let nonlinear: Vec<_> = located.of_role(Role::Nonlinear).map(|p| (p, value(p.name))).collect();
     // What follows a reference is no more linear than the rest.
-    let follows = located.of_role(Role::Nonlinear).any(|p| p.is_reference());
+    let follows = located.follows();
     for (own, new) in located.linear.iter_mut().zip(linear) {
         let Some(new) = new else { continue };
         *own = if follows { cut(*own, new) } else { new };

@@ -69,36 +69,25 @@ impl Twin {
                 Scope::Joint => laden.clone(),
             };
             let known = tau.clone();
-            let motion = Motion { robot: &robot, known: Some(&known), rigid: None, ..*motion };
-            self.add(effect, &motion, &mut tau);
-            self.build(effect, &mut so_far);
+            for (joint, values) in self.acting(effect) {
+                let motion = Motion {
+                    robot: &robot,
+                    known: Some(&known),
+                    giving: &so_far.transmission,
+                    rigid: None,
+                    ..*motion
+                };
+                add(effect, joint, &values, &motion, &mut tau);
+                effect.build(&values, joint, &mut so_far);
+            }
         }
         tau
     }
 
-    /// Adds the torque of an effect whose values are known.
-    fn add(&self, effect: &dyn Effect, motion: &Motion<'_>, tau: &mut JointSeries) {
-        let parameters = effect.about().parameters;
-        let linear = parameters.iter().filter(|p| p.role == Role::Linear).count();
-        for joint in 0..self.robot.dof() {
-            let Some(values) = self.values_at(effect, joint) else { continue };
-            let (linear, nonlinear) = values.split_at(linear);
-            if linear.iter().all(|v| *v == 0.0) {
-                continue;
-            }
-            if effect.about().scope == Scope::Joint {
-                let columns = effect.columns(motion, joint, nonlinear);
-                add_columns(tau, joint, linear, columns.iter().map(Vec::as_slice));
-                continue;
-            }
-            let reach = effect.reach(motion, joint, nonlinear);
-            for at in 0..self.robot.dof() {
-                add_columns(tau, at, linear, reach.iter().map(|series| series.joint(at)));
-            }
-            if effect.about().scope == Scope::Arm {
-                break;
-            }
-        }
+    /// The joints of an effect whose values are known, with these; one joint for the whole arm.
+    fn acting(&self, effect: &dyn Effect) -> Vec<(usize, Vec<f64>)> {
+        let joints = if effect.about().scope == Scope::Arm { 1 } else { self.robot.dof() };
+        (0..joints).filter_map(|j| Some((j, self.values_at(effect, j)?))).collect()
     }
 
     /// The robot with the links and loads that are known built in: what its gears carry.
@@ -127,11 +116,8 @@ impl Twin {
 
     /// What an effect whose values are known changes of the mechanism.
     fn build(&self, effect: &dyn Effect, mechanism: &mut Mechanism) {
-        let joints = if effect.about().scope == Scope::Arm { 1 } else { self.robot.dof() };
-        for joint in 0..joints {
-            if let Some(values) = self.values_at(effect, joint) {
-                effect.build(&values, joint, mechanism);
-            }
+        for (joint, values) in self.acting(effect) {
+            effect.build(&values, joint, mechanism);
         }
     }
 
@@ -160,6 +146,30 @@ impl Default for Twin {
             effects: vec!["coulomb".into(), "viscous".into()],
             values: BTreeMap::new(),
         }
+    }
+}
+
+/// Adds the torque of an effect with these values at one joint.
+fn add(
+    effect: &dyn Effect,
+    joint: usize,
+    values: &[f64],
+    motion: &Motion<'_>,
+    tau: &mut JointSeries,
+) {
+    let parameters = effect.about().parameters;
+    let linear = parameters.iter().filter(|p| p.role == Role::Linear).count();
+    let (linear, nonlinear) = values.split_at(linear);
+    if linear.iter().all(|v| *v == 0.0) {
+        return;
+    }
+    if effect.about().scope == Scope::Joint {
+        let columns = effect.columns(motion, joint, nonlinear);
+        return add_columns(tau, joint, linear, columns.iter().map(Vec::as_slice));
+    }
+    let reach = effect.reach(motion, joint, nonlinear);
+    for at in 0..tau.joints() {
+        add_columns(tau, at, linear, reach.iter().map(|series| series.joint(at)));
     }
 }
 

@@ -35,7 +35,7 @@ fn row<'a>(document: &'a Value, joint: usize, name: &str) -> &'a Value {
 }
 
 /// Stribeck velocities, a presliding width, an order of ripple, a gap and its stiffness, simulated in
-/// rapier, come back. The stiffness of the touching teeth comes out low: all that gives way counts.
+/// rapier, come back. How stiff the touching teeth are an elbow hardly shows, and its interval says so.
 #[test]
 fn nonlinear_parameters_come_back_from_a_simulation() {
     let folder = tempfile::tempdir().unwrap();
@@ -64,14 +64,13 @@ fn nonlinear_parameters_come_back_from_a_simulation() {
         (5, "ripple_cosine", -0.1, 0.15),
         (5, "ripple_order", 202.0, 3e-4),
         (0, "backlash_gap_3", 0.002, 0.15),
-        (0, "backlash_stiffness_3", 2e4, 0.3),
+        (0, "backlash_stiffness_3", 2e4, f64::INFINITY),
     ] {
         let row = row(&document, joint, name);
         let value = row["value"].as_f64().unwrap();
         assert!((value / truth - 1.0).abs() < near, "joint {joint}, {name}: {value}, not {truth}");
         let [low, high] = ["low", "high"].map(|end| row[end].as_f64().unwrap());
-        let stiffness = name.starts_with("backlash_stiffness");
-        assert!(stiffness || (low <= truth && truth <= high), "{name}: {low} .. {high}, {truth}");
+        assert!(low <= truth && truth <= high, "{name}: {low} .. {high}, {truth}");
     }
     let r2 = |joint: &Value| joint["check"]["r2"].as_f64().unwrap();
     assert!(document["methods"][0]["joints"].as_array().unwrap().iter().all(|j| r2(j) > 0.999));

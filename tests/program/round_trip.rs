@@ -98,9 +98,7 @@ impl Case {
     }
 
     fn fitted(&self, twin: &Twin) -> MethodResult {
-        let problem = self.problem(twin);
-        let settings = Settings { methods: vec![Method::Nlse], ..Settings::default() };
-        identification::identify(&problem, None, &settings).unwrap().remove(0)
+        fitted(&self.problem(twin))
     }
 
     /// (what, truth, estimate) of every linear parameter.
@@ -128,6 +126,11 @@ impl Case {
         }
         rows
     }
+}
+
+fn fitted(problem: &ArmProblem) -> MethodResult {
+    let settings = Settings { methods: vec![Method::Nlse], ..Settings::default() };
+    identification::identify(problem, None, &settings).unwrap().remove(0)
 }
 
 fn condition_with(recording: &Recording, twin: &Twin, how: &Conditioning) -> Samples {
@@ -196,6 +199,49 @@ fn the_torque_of_a_heavier_link_is_found() {
             true_torque.iter().zip(&found_torque).map(|(t, f)| (t - f) * (t - f)).sum();
         let size: f64 = true_torque.iter().map(|t| t * t).sum();
         assert!(errors < 0.02 * size, "joint {}: {} of the torque", joint + 1, errors / size);
+    }
+}
+
+/// Links that give way pull at each other: elastic joints come back beside a slack one that is known,
+/// and the slack one beside elastic ones.
+#[test]
+fn elastic_and_slack_joints_are_found_beside_each_other() {
+    let flexibility = CATALOGUE.iter().find(|e| e.about().name == "joint_flexibility").unwrap();
+    let slack = [
+        ("joints", 2.0),
+        ("backlash_gap", 0.002),
+        ("backlash_stiffness", 2e4),
+        ("backlash_damping", 40.0),
+    ];
+    let case = Case::changed(*flexibility, 1.0, |scenario| {
+        let table = slack.map(|(key, value)| (key.to_string(), PerJoint::All(value)));
+        scenario.effects.insert("backlash".into(), table.into());
+        let elastic = scenario.effects.get_mut("joint_flexibility").unwrap();
+        elastic.insert("joints".into(), PerJoint::Each(vec![1.0, 3.0]));
+    });
+    let (gaps, compliances) = ([0.0, 0.002, 0.0], [6e-5, 0.0, 6e-5]);
+    let mut twin = case.twin();
+    for (key, value) in &slack[2..] {
+        twin.values.insert((*key).into(), vec![*value; 6]);
+    }
+    let rest = [0.0; 3];
+    for (sought, truth, known, values) in [
+        ("joint_compliance", compliances, "backlash_gap", gaps),
+        ("backlash_gap", gaps, "joint_compliance", compliances),
+    ] {
+        let mut twin = twin.clone();
+        twin.values.insert(known.into(), [values, rest].concat());
+        let effect = CATALOGUE.iter().find(|e| e.about().parameters[0].name == sought).unwrap();
+        let samples = condition_with(&case.run.recording, &twin, &Conditioning::default());
+        let terms = Terms::named(["coulomb", "viscous", effect.about().name]).unwrap();
+        let found = fitted(&assemble(&samples, &twin, &terms, &BTreeMap::new()).unwrap()).arm;
+        for (joint, truth) in truth.into_iter().enumerate() {
+            let name = format!("{sought}_{}", joint + 1);
+            let e = found.iter().find(|e| e.name == name).unwrap();
+            assert!(e.low <= truth && truth <= e.high, "{name} is {truth}, {e:?}");
+            let shown = sought != "backlash_gap" || (e.low > 0.9 * truth && e.high < 1.1 * truth);
+            assert!(shown || truth == 0.0, "{name} is {truth}, {e:?}");
+        }
     }
 }
 

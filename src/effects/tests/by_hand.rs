@@ -2,6 +2,7 @@
 //! would pass every round trip even when it is wrong.
 
 use super::*;
+use crate::robot::{Workspace, gravity_torque};
 
 /// Values, motion (q, qd, qdd of a pendulum of 3 kg at 0.4 m, flange at 0.5 m, row by row every
 /// 20 ms) and the torque at its end worked out by hand. A new effect needs a line here.
@@ -116,22 +117,65 @@ fn a_hardening_joint_with_hysteresis_winds_up_less() {
     let w = column[80] * c / (11.772 * q.sin());
     let (load, law) = (11.772 * q.cos(), Transmission::default());
     let law = Transmission { stiffness: 1.0 / c, hardening: k3, ..law };
-    // The bristle starts unbent where the spring alone carries the load, and bends back from there.
-    let start = law.wind_up(load);
-    let carried = law.torque(w) + h * ((-(start - w) / width).exp() - 1.0);
-    assert!(start > w && (carried - load).abs() < 1e-2 * load, "{w} {start}: {carried} {load}");
+    // The bristle starts unbent where the spring alone carries the load, and bends on from there
+    // as the link sinks to where it hangs.
+    let bent = w - law.wind_up(load);
+    let carried = law.torque(w) + h * bent.signum() * (1.0 - (-bent.abs() / width).exp());
+    let hangs = 11.772 * (q - w).cos();
+    assert!((carried - hangs).abs() < 1e-4 * hangs, "{w} {bent}: {carried} {hangs}");
 }
 
 /// Half a gap and 2e4 N.m/rad under 11.772 N.m cos q: the gravity torque changes by its slope times
-/// the wind-up.
+/// the wind-up, which holds it where the link hangs.
 #[test]
 fn backlash_lets_the_link_hang_behind() {
     let q = 1.0;
     let samples = Samples::rows(&[[q, 0.0, 0.0]; 90]);
     let torque = samples.explained(find("backlash").unwrap(), &[1e-3, 2e4, 20.0, 1e-3], 0);
-    let wind_up = 5e-4 + 11.772 * f64::cos(q) / 2e4;
-    let expected = wind_up * 11.772 * f64::sin(q);
+    let (load, slope) = (11.772 * f64::cos(q), -11.772 * f64::sin(q));
+    let wind_up = (2e4 * 5e-4 + load) / (2e4 + slope);
+    let expected = -slope * wind_up;
     assert!((torque.joint(0)[80] - expected).abs() < 1e-6, "{} {expected}", torque.joint(0)[80]);
+}
+
+/// Held still, all joints elastic and one slack as well: every link hangs where its transmission
+/// carries the gravity torque of the arm that hangs so, which is solved for by iteration.
+#[test]
+fn links_of_several_elastic_joints_hang_together() {
+    let robot = random_arm(3, &mut ChaCha8Rng::seed_from_u64(9));
+    let at = [0.4, -0.9, 1.3];
+    let still = JointSeries::from_joints(&at.map(|q| vec![q; 300]));
+    let samples = Samples::along(robot.clone(), still);
+    let (c, gap) = ([2e-4, 3e-4, 1e-4], 3e-3);
+    let mut arm = Mechanism::new(robot.clone());
+    let mut torque = [0.0; 3];
+    let slack = ("backlash", 1, gap, vec![1e4, 20.0, gap]);
+    let elastic = |j: usize| ("joint_flexibility", j, c[j], vec![0.0, 20.0, 0.0, 1e-3, c[j]]);
+    for (name, joint, linear, nonlinear) in (0..3).map(elastic).chain([slack]) {
+        let effect = find(name).unwrap();
+        let motion = Motion { giving: &arm.transmission, ..samples.motion() };
+        let column = effect.reach(&motion, joint, &nonlinear).remove(0);
+        torque.iter_mut().enumerate().for_each(|(j, t)| *t += linear * column.joint(j)[299]);
+        effect.build(&[&[linear], &nonlinear[..]].concat(), joint, &mut arm);
+    }
+    let carried = |q: &[f64]| {
+        let mut tau = vec![0.0; 3];
+        gravity_torque(&robot, &mut Workspace::new(&robot), q, &mut tau);
+        tau
+    };
+    let mut hanging = at;
+    for _ in 0..50 {
+        let tau = carried(&hanging);
+        let teeth =
+            |j: usize| if j == 1 { 0.5 * gap * tau[j].signum() + tau[j] / 1e4 } else { 0.0 };
+        hanging = [0, 1, 2].map(|j| at[j] - c[j] * tau[j] - teeth(j));
+    }
+    let (rigid, hangs) = (carried(&at), carried(&hanging));
+    for j in 0..3 {
+        let expected = hangs[j] - rigid[j];
+        let error = (torque[j] - expected).abs();
+        assert!(error < 0.01 * expected.abs() + 1e-4, "{j}: {} {expected}", torque[j]);
+    }
 }
 
 /// Ramps and steps through the sensors, by closed form.

@@ -4,7 +4,8 @@
 //! Per effect: its own scenario, all its linear values times one strength. The motions are
 //! simulated once per strength and seen through the sensors many times. What the twin does not
 //! know (friction) is fitted with and without the effect on the first recording; the effect beats
-//! its null where its fit predicts the second recording better. Its nonlinear parameters are taken as
+//! its null where its fit predicts the second recording better than what stays of it however weak it
+//! is (nothing; of backlash the teeth's elasticity). Its nonlinear parameters are taken as
 //! known, and effects on recorded channels as small: the figures are what data can give at best.
 
 mod experiment;

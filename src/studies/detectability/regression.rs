@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use crate::effects::{Motion, Role, Scope, Seen};
+use crate::effects::{Mechanism, Motion, Role, Scope, Seen};
 use crate::series::JointSeries;
 use crate::signals::{Samples, SignalError};
 use crate::simulation::Injection;
@@ -10,6 +10,8 @@ use crate::twin::Twin;
 
 /// Directions of the scaled columns weaker than this are not determined.
 const RANK: f64 = 1e-10;
+/// Share of an effect that counts as none of it.
+const FADED: f64 = 1e-4;
 
 /// What is known of the arm, what is fitted anyway, what is sought.
 pub(super) struct Known {
@@ -26,6 +28,8 @@ pub(super) struct Side {
     fitted: usize,
     /// True values of the effect's columns.
     truth: Vec<f64>,
+    /// What stays of the effect however weak it is: teeth without play still give way.
+    limit: DVector<f64>,
     /// Row where each joint begins, and the end.
     starts: Vec<usize>,
     /// Variance that the filter leaves of white noise.
@@ -58,7 +62,8 @@ impl Known {
             torque.iter().zip(modelled.joint(j)).map(|(t, m)| t - m).collect()
         });
         let filter = samples.torque_filter()?;
-        let (mut series, mut truth) = (vec![left], Vec::new());
+        let limit = self.limit(&motion);
+        let (mut series, mut truth) = (vec![left, limit], Vec::new());
         let count = fitted.len();
         series.extend(fitted.into_iter().map(|(column, _)| column));
         for (column, value) in sought {
@@ -85,10 +90,23 @@ impl Known {
         }
         let passed = pulse[0].iter().map(|h| h * h).sum();
         let mut columns = stacked.into_iter().map(DVector::from_vec);
-        let y = columns.next().unwrap_or_else(|| DVector::zeros(0));
+        let mut next = || columns.next().unwrap_or_else(|| DVector::zeros(0));
+        let (y, limit) = (next(), next());
         let columns: Vec<_> = columns.collect();
         let columns = DMatrix::from_columns(&columns);
-        Ok(Side { y, columns, fitted: count, truth, starts, passed })
+        Ok(Side { y, columns, fitted: count, truth, limit, starts, passed })
+    }
+
+    /// The effect's torque at next to no strength, N.m.
+    fn limit(&self, motion: &Motion<'_>) -> JointSeries {
+        let mut sum = JointSeries::zeros(motion.q.joints(), motion.samples());
+        let by_torque = |i: &&Injection| i.effect.seen() == Seen::Columns;
+        for injection in self.sought.iter().filter(by_torque) {
+            for (column, value) in terms(&faded(injection), motion) {
+                add(&mut sum, value, &column);
+            }
+        }
+        sum
     }
 
     fn sought(&self, injection: &Injection, samples: &Samples, motion: &Motion<'_>) -> Vec<Term> {
@@ -130,13 +148,31 @@ impl Known {
         let motion = self.twin.motion(samples);
         let mut torque = self.twin.torque(&motion);
         for (column, value) in self.fitted.iter().flat_map(|i| terms(i, &motion)) {
-            for joint in 0..torque.joints() {
-                let both = torque.joint_mut(joint).iter_mut().zip(column.joint(joint));
-                both.for_each(|(t, c)| *t += value * c);
-            }
+            add(&mut torque, value, &column);
         }
         torque
     }
+}
+
+fn add(sum: &mut JointSeries, value: f64, column: &JointSeries) {
+    for joint in 0..sum.joints() {
+        let both = sum.joint_mut(joint).iter_mut().zip(column.joint(joint));
+        both.for_each(|(sum, c)| *sum += value * c);
+    }
+}
+
+/// The same effect, next to nothing of it.
+fn faded(injection: &Injection) -> Injection {
+    let effect = injection.effect;
+    let linear = effect.about().parameters.iter().filter(|p| p.role == Role::Linear).count();
+    let faded = |row: &Vec<f64>| {
+        let mut row = row.clone();
+        let (linear, nonlinear) = row.split_at_mut(linear);
+        linear.iter_mut().for_each(|value| *value *= FADED);
+        effect.settle(linear, nonlinear);
+        row
+    };
+    Injection { values: injection.values.iter().map(faded).collect(), ..injection.clone() }
 }
 
 /// The columns of an effect at its joints, with its true values.
@@ -154,9 +190,12 @@ fn terms(injection: &Injection, motion: &Motion<'_>) -> Vec<Term> {
         };
         return linear.iter().enumerate().map(|(i, &value)| (column(i), value)).collect();
     }
+    let mut arm = Mechanism::new(motion.robot.clone());
     let at = |(&joint, values): (&usize, &Vec<f64>)| {
         let (linear, nonlinear) = values.split_at(linear);
+        let motion = &Motion { giving: &arm.transmission, ..*motion };
         let reach = effect.reach(motion, joint, nonlinear);
+        effect.build(values, joint, &mut arm);
         reach.into_iter().zip(linear.to_vec()).collect::<Vec<_>>()
     };
     injection.joints.iter().zip(&injection.values).flat_map(at).collect()
@@ -164,13 +203,13 @@ fn terms(injection: &Injection, motion: &Motion<'_>) -> Vec<Term> {
 
 /// Fits `fit` with and without the effect and holds both against `check`.
 pub(super) fn compare(fit: &Side, check: &Side) -> Trial {
-    let with = fit.solve(fit.columns.ncols());
-    let without = fit.solve(fit.fitted);
+    let with = fit.solve(fit.columns.ncols(), &fit.y);
+    let without = fit.solve(fit.fitted, &(&fit.y - &fit.limit));
     let found = with.iter().skip(fit.fitted).zip(&fit.truth);
     let errors = found.filter(|(_, t)| **t != 0.0).map(|(x, t)| ((x - t) / t).abs()).collect();
     Trial {
-        left: check.left(&with),
-        left_without: check.left(&without),
+        left: check.left(&with, &check.y),
+        left_without: check.left(&without, &(&check.y - &check.limit)),
         errors,
         rms_over_noise: fit.rms(),
     }
@@ -178,12 +217,12 @@ pub(super) fn compare(fit: &Side, check: &Side) -> Trial {
 
 impl Side {
     /// Least squares over the first `count` columns; undetermined directions stay at zero.
-    fn solve(&self, count: usize) -> DVector<f64> {
+    fn solve(&self, count: usize, y: &DVector<f64>) -> DVector<f64> {
         let a = self.columns.columns(0, count);
         let size = |norm: f64| if norm > 0.0 { norm } else { 1.0 };
         let scale: Vec<f64> = a.column_iter().map(|c| size(c.norm())).collect();
         let mut gram = a.tr_mul(&a);
-        let mut right = a.tr_mul(&self.y);
+        let mut right = a.tr_mul(y);
         for i in 0..count {
             right[i] /= scale[i];
             for k in 0..count {
@@ -202,16 +241,17 @@ impl Side {
         x
     }
 
-    /// Chi-square per sample that `x` leaves.
-    fn left(&self, x: &DVector<f64>) -> f64 {
-        let residual = &self.y - self.columns.columns(0, x.len()) * x;
+    /// Chi-square per sample that `x` leaves of `y`.
+    fn left(&self, x: &DVector<f64>, y: &DVector<f64>) -> f64 {
+        let residual = y - self.columns.columns(0, x.len()) * x;
         residual.norm_squared() / (self.passed * residual.len().max(1) as f64)
     }
 
     /// The effect's own torque over the noise, at the joint where it is largest.
     fn rms(&self) -> f64 {
         let own = self.columns.columns(self.fitted, self.truth.len())
-            * DVector::from_column_slice(&self.truth);
+            * DVector::from_column_slice(&self.truth)
+            - &self.limit;
         let of = |w: &[usize]| {
             let rows = (w[1] - w[0]).max(1) as f64;
             (own.rows(w[0], w[1] - w[0]).norm_squared() / rows).sqrt()
