@@ -21,7 +21,7 @@ const KNOWN: [Known; 3] = [
     (&[Channel::Omega], &[(index::R, 1.5)]),
 ];
 /// Noises of the existence question.
-const SEEDS: usize = 200;
+const SEEDS: u64 = 200;
 
 #[derive(Debug, thiserror::Error)]
 pub enum MotorStudyError {
@@ -68,7 +68,7 @@ pub fn identify(scenario: &Scenario, seed: u64) -> Result<ScenarioReport, MotorS
 pub fn noises(scenarios: &[Scenario], seed: u64) -> Result<Vec<Study>, MotorStudyError> {
     let determined = |s: &&Scenario| (&s.measured[..], s.given) != (KNOWN[0].0, [None; COUNT]);
     let stop = std::sync::atomic::AtomicBool::new(false);
-    let one = |s: &Scenario| study(s, Method::Nlse, seed, SEEDS, &stop, &|| {});
+    let one = |s: &Scenario| study(s, Method::Nlse, [seed, SEEDS], &(), &stop, &|| {});
     Ok(scenarios.iter().filter(determined).map(one).collect::<Result<_, _>>()?)
 }
 

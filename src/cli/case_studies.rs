@@ -29,7 +29,7 @@ use crate::viewer::Album;
 #[command(after_help = "Example: armtwin case-studies --out docs
 
 Writes docs/case-studies.md and docs/img/case-studies/*.svg; the DC motor's searches take minutes.
-The existence question is asked by NLSE over 200 noises; what PSO does on as many takes hours and
+The existence question is asked by NLSE over 200 noises; what PSO does on as many takes an hour and
 comes from `armtwin motor --study --seeds 0 --pso-seeds 200 --measured omega,current --markdown
 FILE.md`. Columns of the real UR5 need the recordings (--recordings, or ARMTWIN_SHARED, or
 ../shared).")]

@@ -17,6 +17,8 @@ pub mod scenario;
 pub mod sensitivity;
 pub mod series;
 pub mod simulate;
+pub mod sliding;
+mod squares;
 pub mod study;
 pub mod study_text;
 
