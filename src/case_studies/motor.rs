@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::motor_versus::swarms;
 use crate::motor::dependence::dependence;
 use crate::motor::fit::Tick;
 use crate::motor::model::{COUNT, NAMES, index};
@@ -125,23 +126,6 @@ pub fn section(Results { reports, studies }: &Results) -> String {
     )
 }
 
-/// How much is known of PSO.
-fn swarms(studies: &[Study]) -> String {
-    let pso: Vec<&Study> = studies.iter().filter(|s| s.method == Method::Pso.name()).collect();
-    let (seeds, at_minimum) = pso.iter().fold((0, 0), |(n, m), s| (n + s.seeds, m + s.at_minimum));
-    if seeds == 0 {
-        return "PSO was not asked (`--pso-seeds`).".into();
-    }
-    let per_scenario: Vec<String> = pso.iter().map(|s| s.seeds.to_string()).collect();
-    format!(
-        "PSO, with the paper's settings, was asked on {seeds} of the noises ({} per scenario), where \
-         the current is measured; {at_minimum} of its searches ended at a minimum of the cost. \
-         Elsewhere no test holds, whatever the convention: its rates below are those of taking the \
-         swarm at its word.",
-        per_scenario.join(" and ")
-    )
-}
-
 const SUMMARY: [&str; 10] = [
     "scenario",
     "known",
@@ -243,10 +227,6 @@ mod tests {
         let studies = few.run(1, &(), &tick).unwrap();
         assert_eq!(done.into_inner(), 6);
         assert!(studies.iter().all(|s| s.measured == KNOWN[1].0 && s.seeds == 3));
-        let said = swarms(&studies);
-        assert!(said.contains("on 6 of the noises (3 and 3 per scenario)"), "{said}");
-        assert!(said.contains("; 0 of its searches"), "{said}");
-        assert!(swarms(&[]).contains("not asked"));
     }
 
     #[test]
