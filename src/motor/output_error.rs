@@ -6,11 +6,12 @@
 
 use std::cell::RefCell;
 
+use super::consumer::Consumer;
 use super::experiment::Record;
 use super::model::{COUNT, Motor};
 use super::scenario::{Channel, Scenario};
 use super::sensitivity::{Sensitivities, simulate_with_sensitivities};
-use super::simulate::{Accuracy, Consumer, simulate_each, simulate_into};
+use super::simulate::{Accuracy, simulate_each, simulate_into};
 use super::squares::Squares;
 use crate::identification::bounds::Bounds;
 use crate::identification::levenberg_marquardt::Residuals;

@@ -8,7 +8,8 @@
 //! The error of a step is measured in rad/s and in shares of the stall current, so that the
 //! choice of steps does not change when current and torques are expressed in other units.
 
-use super::dormand_prince::{Dense, Field, Step};
+use super::consumer::Consumer;
+use super::dormand_prince::{Field, Step};
 use super::model::Motor;
 use super::sliding::Sliding;
 
@@ -174,33 +175,6 @@ impl Mode {
             Self::Stand => 0.0,
             Self::Slide(sign) => motor.acceleration(current, 0.0, sign),
         }
-    }
-}
-
-/// What becomes of the samples.
-pub(super) trait Consumer<const N: usize> {
-    /// The next sample.
-    fn take(&mut self, y: &[f64; N]);
-
-    /// The next `count` samples, at theta = first, first + spacing, .. of one step.
-    #[inline]
-    fn take_all(&mut self, step: &Dense<N>, first: f64, spacing: f64, count: usize) {
-        for k in 0..count {
-            self.take(&step.at(first + k as f64 * spacing));
-        }
-    }
-
-    /// Whether the rest of the simulation may be left out.
-    #[inline]
-    fn has_enough(&self) -> bool {
-        false
-    }
-}
-
-impl<const N: usize, F: FnMut(&[f64; N])> Consumer<N> for F {
-    #[inline]
-    fn take(&mut self, y: &[f64; N]) {
-        self(y);
     }
 }
 

@@ -1,8 +1,9 @@
 //! The squared output error, summed while a motor is simulated, and no further than needed.
 
+use super::consumer::Consumer;
 use super::dormand_prince::Dense;
 use super::scenario::Channel;
-use super::simulate::{CURRENT, Consumer, OMEGA, Output};
+use super::simulate::{CURRENT, OMEGA, Output};
 use crate::kernels::{SQUARES, add_squares_about_quartic};
 
 /// Sum of r^2 over the samples so far, r in units of the noise.
