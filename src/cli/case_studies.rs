@@ -32,8 +32,8 @@ use crate::viewer::Album;
 
 Writes docs/case-studies.md and docs/img/case-studies/*.svg; the DC motor's searches take minutes.
 The existence question is asked by NLSE over 200 noises; --pso-seeds 200 asks PSO too, which takes
-hours, and with --keep DIR may be stopped and taken up again. Columns of the real UR5 need the
-recordings (--recordings, or ARMTWIN_SHARED, or ../shared).")]
+100 minutes of one core, and with --keep DIR may be stopped and taken up again. Columns of the real
+UR5 need the recordings (--recordings, or ARMTWIN_SHARED, or ../shared).")]
 pub struct Args {
     /// Folder for the page and its figures
     #[arg(long, value_name = "DIR")]

@@ -11,8 +11,9 @@ use crate::motor::scenario::Scenario;
 use crate::motor::study::{Archive, Search};
 use crate::trials::sha256;
 
-/// `DIGEST-METHOD-SEED.toml`, the digest that of the scenario as it was asked. TOML, because it
-/// reads numbers back to the last bit: a study taken up again ends as if it had never stopped.
+/// `DIGEST-METHOD-SEED.toml`, the digest that of the scenario as it was asked and of the program's
+/// version: who changes the search itself names another folder. TOML, because it reads numbers back
+/// to the last bit: a study taken up again ends as if it had never stopped.
 pub struct Folder(PathBuf);
 
 impl Folder {
