@@ -24,6 +24,9 @@ fn motor(c: &mut Criterion) {
         });
     });
     c.bench_function("motor: cost of one particle", |b| b.iter(|| black_box(problem.cost(&x))));
+    c.bench_function("motor: cost of one particle, as a swarm asks for it", |b| {
+        b.iter(|| black_box(problem.cost_below(f64::INFINITY, &x)));
+    });
     let mut space = Sensitivities::default();
     c.bench_function("motor: with sensitivities", |b| {
         b.iter(|| {

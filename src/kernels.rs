@@ -77,6 +77,40 @@ pub fn dots_of_rest(a: &[f64], b: &[&[f64]], x: &[f64], y: &[f64]) -> [f64; 2] {
     [with_y, square]
 }
 
+/// How many sums [`add_squares_about_quartic`] runs side by side.
+pub const SQUARES: usize = 8;
+
+/// Adds (p(first + k spacing) - a[k])^2 of all k to the sums, which are to be added up in the end;
+/// p is a quartic by its coefficients from theta^0 on.
+#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2", "aarch64+neon"))]
+pub fn add_squares_about_quartic(
+    p: &[f64; 5],
+    first: f64,
+    spacing: f64,
+    a: &[f64],
+    sums: &mut [f64; SQUARES],
+) {
+    let rest = |k: f64, a: f64| {
+        let theta = first + k * spacing;
+        p[0] + theta * (p[1] + theta * (p[2] + theta * (p[3] + theta * p[4]))) - a
+    };
+    let (whole, tail) = a.as_chunks::<SQUARES>();
+    let mut k: [f64; SQUARES] = std::array::from_fn(|l| l as f64);
+    for a in whole {
+        for l in 0..SQUARES {
+            let r = rest(k[l], a[l]);
+            sums[l] += r * r;
+            k[l] += SQUARES as f64;
+        }
+    }
+    let mut padded = [0.0; SQUARES];
+    padded[..tail.len()].copy_from_slice(tail);
+    for l in 0..SQUARES {
+        let r = if l < tail.len() { rest(k[l], padded[l]) } else { 0.0 };
+        sums[l] += r * r;
+    }
+}
+
 /// sign(speed) exp(-|speed| / scale), the Stribeck column of the paper's Eq. 1; zero at rest.
 #[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2", "aarch64+neon"))]
 pub fn stribeck(speed: &[f64], scale: f64, out: &mut [f64]) {
@@ -163,6 +197,24 @@ mod tests {
         let [with_y, square] = dots_of_rest(&a, &[&b, &c], &[0.5, -2.0], &y);
         assert!((with_y - dot(&rest, &y)).abs() < 1e-10);
         assert!((square - dot(&rest, &rest)).abs() < 1e-10);
+    }
+
+    #[test]
+    fn squares_about_a_quartic_agree_with_the_quartic_written_out() {
+        let p = [0.3, -1.0, 2.0, 0.5, -0.7];
+        let a: Vec<f64> = (0..40).map(|i| (0.3 * f64::from(i)).sin()).collect();
+        for count in 0..=a.len() {
+            let plain = |(k, a): (usize, &f64)| {
+                let theta = 0.01 + 0.02 * k as f64;
+                let y: f64 = p.iter().enumerate().map(|(n, p)| p * theta.powi(n as i32)).sum();
+                (y - a).powi(2)
+            };
+            let plain: f64 = a[..count].iter().enumerate().map(plain).sum();
+            let mut sums = [0.0; SQUARES];
+            add_squares_about_quartic(&p, 0.01, 0.02, &a[..count], &mut sums);
+            let fast: f64 = sums.iter().sum();
+            assert!((fast - plain).abs() <= 1e-13 * plain, "{count}: {fast} {plain}");
+        }
     }
 
     #[test]

@@ -15,7 +15,7 @@ pub const WIDTHS: [f64; 3] = [1.05, 1.5, 5.0];
 const ABSENT: f64 = 0.05;
 
 /// All joints in boxes of one width.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Boxed {
     pub width: f64,
     pub duels: Vec<Duel>,

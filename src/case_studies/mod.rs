@@ -9,6 +9,7 @@ pub mod draw;
 pub mod figures;
 pub mod motor;
 pub mod motor_figures;
+mod motor_versus;
 mod numbers;
 pub mod page;
 pub mod paper;

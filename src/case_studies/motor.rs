@@ -1,13 +1,17 @@
 //! The first case study: what comes out of the motor, depending on what is known of it.
 
+use std::sync::atomic::AtomicBool;
+
+use super::motor_versus::swarms;
 use crate::motor::dependence::dependence;
+use crate::motor::fit::Tick;
 use crate::motor::model::{COUNT, NAMES, index};
 use crate::motor::render;
 use crate::motor::report::{
     Method, MethodReport, MotorError, ParameterReport, ScenarioReport, run,
 };
 use crate::motor::scenario::{Channel, SHIPPED, Scenario, ScenarioError};
-use crate::motor::study::{Study, study};
+use crate::motor::study::{Archive, Study, study};
 use crate::motor::study_text::{answer, grid};
 use crate::report::markdown_table;
 
@@ -21,7 +25,7 @@ const KNOWN: [Known; 3] = [
     (&[Channel::Omega], &[(index::R, 1.5)]),
 ];
 /// Noises of the existence question.
-const SEEDS: usize = 200;
+const SEEDS: u64 = 200;
 
 #[derive(Debug, thiserror::Error)]
 pub enum MotorStudyError {
@@ -61,19 +65,50 @@ pub fn identify(scenario: &Scenario, seed: u64) -> Result<ScenarioReport, MotorS
     Ok(report)
 }
 
-/// The existence question by NLSE, wherever every parameter can be determined.
-///
-/// # Errors
-/// If a scenario cannot be identified.
-pub fn noises(scenarios: &[Scenario], seed: u64) -> Result<Vec<Study>, MotorStudyError> {
-    let determined = |s: &&Scenario| (&s.measured[..], s.given) != (KNOWN[0].0, [None; COUNT]);
-    let stop = std::sync::atomic::AtomicBool::new(false);
-    let one = |s: &Scenario| study(s, Method::Nlse, seed, SEEDS, &stop, &|| {});
-    Ok(scenarios.iter().filter(determined).map(one).collect::<Result<_, _>>()?)
+/// The existence question: by NLSE wherever every parameter can be determined, and on the first
+/// `pso_seeds` noises by PSO where the current is measured.
+pub struct Noises<'a> {
+    studies: Vec<(&'a Scenario, Method, u64)>,
 }
 
-/// The page's section; `more` are studies that were made before, as Markdown.
-pub fn section(reports: &[ScenarioReport], studies: &[Study], more: &[String]) -> String {
+impl<'a> Noises<'a> {
+    pub fn of(scenarios: &'a [Scenario], pso_seeds: u64) -> Self {
+        let determined = |s: &&Scenario| (&s.measured[..], s.given) != (KNOWN[0].0, [None; COUNT]);
+        let with_current = |s: &&Scenario| s.measured == KNOWN[1].0;
+        let nlse = scenarios.iter().filter(determined).map(|s| (s, Method::Nlse, SEEDS));
+        let pso = scenarios.iter().filter(with_current).map(|s| (s, Method::Pso, pso_seeds));
+        Self { studies: nlse.chain(pso).filter(|(.., seeds)| *seeds > 0).collect() }
+    }
+
+    /// How many there are in all.
+    pub fn count(&self) -> u64 {
+        self.studies.iter().map(|(.., seeds)| seeds).sum()
+    }
+
+    /// # Errors
+    /// If a true motor cannot be simulated.
+    pub fn run(
+        &self,
+        seed: u64,
+        archive: &dyn Archive,
+        tick: Tick<'_>,
+    ) -> Result<Vec<Study>, MotorStudyError> {
+        let stop = AtomicBool::new(false);
+        let one = |&(scenario, method, seeds): &(&Scenario, Method, u64)| {
+            Ok(study(scenario, method, [seed, seeds], archive, &stop, tick)?)
+        };
+        self.studies.iter().map(one).collect()
+    }
+}
+
+/// All that was found.
+pub struct Results {
+    pub reports: Vec<ScenarioReport>,
+    pub studies: Vec<Study>,
+}
+
+/// The page's section.
+pub fn section(Results { reports, studies }: &Results) -> String {
     let studied = studies.iter().map(|s| format!("{}\n{}\n", grid(s).markdown(), answer(s)));
     format!(
         "## DC motor (Tables III and IV)\n\nMade by `armtwin motor`, `--measured omega,current` and \
@@ -83,12 +118,10 @@ pub fn section(reports: &[ScenarioReport], studies: &[Study], more: &[String]) -
          ### The existence question\n\nIs a term kept that exists, and dropped that does not? Made \
          by `armtwin motor --study`, with another noise per seed. The paper's intervals (Eq. 8) are \
          sqrt(n) too narrow, n the number of samples: nearly every absent term is \"kept\" and \
-         nearly no interval holds the truth. Of PSO one search takes a minute or two, so it is asked \
-         over fewer noises (`--pso-seeds`); where it ends short of a minimum no test holds, whatever \
-         the convention.\n\n{}{}\n{}",
+         nearly no interval holds the truth. {}\n\n{}\n{}",
         markdown_table(&SUMMARY, 3, &reports.iter().flat_map(rows).collect::<Vec<_>>()),
+        swarms(studies),
         studied.collect::<String>(),
-        more.concat(),
         reports.iter().map(render::markdown).collect::<String>()
     )
 }
@@ -144,6 +177,8 @@ fn largest(parameters: &[&ParameterReport]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicU64, Ordering};
+
     use super::*;
 
     /// At 100 Hz for 50 s and from two starts: short work.
@@ -169,6 +204,29 @@ mod tests {
         let given = of(&[Channel::Omega], Some(1.5));
         assert_eq!((given[1].as_str(), given[5].as_str()), ("omega, R = 1.5 given", "9 of 9"));
         assert!(given[6].contains('L') && !given[6].contains('R'), "{given:?}");
+    }
+
+    #[test]
+    fn pso_is_asked_on_its_noises_where_the_current_is_measured() {
+        let all: Vec<Scenario> = scenarios()
+            .unwrap()
+            .into_iter()
+            .map(|mut s| {
+                s.identification.sample_time = 0.01;
+                s.identification.duration = 20.0;
+                s.pso.particles_per_parameter = 1;
+                s.pso.iterations = 5;
+                s
+            })
+            .collect();
+        assert_eq!(Noises::of(&all, 3).count(), 4 * SEEDS + 2 * 3);
+        let mut few = Noises::of(&all, 3);
+        few.studies.retain(|(_, method, _)| *method == Method::Pso);
+        let done = AtomicU64::new(0);
+        let tick = || _ = done.fetch_add(1, Ordering::Relaxed);
+        let studies = few.run(1, &(), &tick).unwrap();
+        assert_eq!(done.into_inner(), 6);
+        assert!(studies.iter().all(|s| s.measured == KNOWN[1].0 && s.seeds == 3));
     }
 
     #[test]

@@ -1,14 +1,18 @@
-//! What the page shows of the UR5, for programs.
+//! What the page shows, for programs.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::boxes::Boxed;
 use super::figures::Figure;
+use super::motor::Results;
 use super::page::Page;
 use super::ur5::{Dropped, Study};
 use super::versus::Duel;
 use crate::identification::{LEVEL, MethodResult};
+use crate::motor::report::ScenarioReport;
+use crate::motor::study::Study as MotorStudy;
 
 #[derive(Serialize)]
 pub struct Numbers<'a> {
@@ -20,6 +24,10 @@ pub struct Numbers<'a> {
     injected: &'a BTreeMap<&'static str, Vec<f64>>,
     studies: Vec<Estimates<'a>>,
     duels: Vec<Law<'a>>,
+    /// The same on the synthetic recording, with bounds around the truth.
+    boxes: Vec<Boxes<'a>>,
+    motor: Option<Motor<'a>>,
+    /// Files, seen from the page.
     figures: Vec<String>,
 }
 
@@ -41,6 +49,20 @@ struct Law<'a> {
     joints: &'a [Duel],
 }
 
+#[derive(Serialize)]
+struct Boxes<'a> {
+    law: &'a str,
+    /// By width of the bounds.
+    widths: &'a [Boxed],
+}
+
+/// As in `armtwin motor --json`.
+#[derive(Serialize)]
+struct Motor<'a> {
+    scenarios: &'a [ScenarioReport],
+    studies: &'a [MotorStudy],
+}
+
 impl Page<'_> {
     pub fn numbers(&self) -> Numbers<'_> {
         Numbers {
@@ -49,6 +71,8 @@ impl Page<'_> {
             injected: &self.injected,
             studies: std::iter::once(self.synthetic).chain(self.real).map(estimates).collect(),
             duels: self.duels.iter().map(|(law, joints)| Law { law, joints }).collect(),
+            boxes: self.boxed.iter().map(|(law, widths)| Boxes { law, widths }).collect(),
+            motor: self.motor.as_ref().map(motor),
             figures: self.figures.iter().map(Figure::file).collect(),
         }
     }
@@ -63,4 +87,8 @@ fn estimates(study: &Study) -> Estimates<'_> {
         reduced: &study.reduced,
         dropped: &study.dropped,
     }
+}
+
+fn motor(results: &Results) -> Motor<'_> {
+    Motor { scenarios: &results.reports, studies: &results.studies }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::boxes::Boxed;
 use super::figures::Figure;
+use super::motor::{Results, section};
 use super::paper::{Printed, TABLE_V, TABLE_VI};
 use super::ur5::Study;
 use super::versus::Duel;
@@ -24,8 +25,8 @@ pub struct Page<'a> {
     /// By law, on the synthetic recording.
     pub boxed: Vec<(String, Vec<Boxed>)>,
     pub figures: &'a [Figure],
-    /// The DC motor's section.
-    pub motor: String,
+    /// The DC motor; absent where it was left out.
+    pub motor: Option<Results>,
 }
 
 impl Page<'_> {
@@ -39,7 +40,7 @@ impl Page<'_> {
             tight(&self.boxed),
             self.posterior(),
             self.pictures(),
-            self.motor.clone(),
+            self.motor.as_ref().map_or("## DC motor\n\nLeft out (--no-motor).\n".into(), section),
         ]
         .join("\n")
     }

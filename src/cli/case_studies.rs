@@ -3,21 +3,23 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::{Context, bail};
 use indicatif::ProgressBar;
 
+use super::motor_archive::Folder;
 use super::save;
 use crate::case_studies::boxes::{Boxed, boxed};
 use crate::case_studies::figures::{self, Figure};
-use crate::case_studies::motor::{self, identify, noises, section};
+use crate::case_studies::motor::{self, Noises, Results, identify};
 use crate::case_studies::motor_figures::of_motor;
 use crate::case_studies::page::Page;
 use crate::case_studies::ur5::{self, Study};
 use crate::case_studies::versus::{Duel, duel};
 use crate::identification::{Terms, assemble};
-use crate::motor::report::ScenarioReport;
 use crate::motor::scenario::SHIPPED;
+use crate::motor::study::Archive;
 use crate::recording;
 use crate::simulation::{Scenario, Simulation};
 use crate::twin::Twin;
@@ -29,10 +31,9 @@ use crate::viewer::Album;
 #[command(after_help = "Example: armtwin case-studies --out docs
 
 Writes docs/case-studies.md and docs/img/case-studies/*.svg; the DC motor's searches take minutes.
-The existence question is asked by NLSE over 200 noises; what PSO does on as many takes hours and
-comes from `armtwin motor --study --seeds 0 --pso-seeds 200 --measured omega,current --markdown
-FILE.md`. Columns of the real UR5 need the recordings (--recordings, or ARMTWIN_SHARED, or
-../shared).")]
+The existence question is asked by NLSE over 200 noises; --pso-seeds 200 asks PSO too, which takes
+100 minutes of one core, and with --keep DIR may be stopped and taken up again. Columns of the real
+UR5 need the recordings (--recordings, or ARMTWIN_SHARED, or ../shared).")]
 pub struct Args {
     /// Folder for the page and its figures
     #[arg(long, value_name = "DIR")]
@@ -40,11 +41,14 @@ pub struct Args {
     /// Folder with the UR5's movement folders
     #[arg(long, value_name = "DIR")]
     recordings: Option<PathBuf>,
-    /// Studies of the DC motor, already made; may be repeated
-    #[arg(long, value_name = "FILE.md")]
-    study: Vec<PathBuf>,
+    /// Ask PSO too whether the DC motor's terms exist, on so many noises (15 s each on one core)
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pso_seeds: u64,
+    /// Folder for the searches on noises; those that are in it are not made again
+    #[arg(long, value_name = "DIR")]
+    keep: Option<PathBuf>,
     /// Leave the DC motor out, whose searches take most of the time
-    #[arg(long, conflicts_with = "study")]
+    #[arg(long, conflicts_with_all = ["pso_seeds", "keep"])]
     no_motor: bool,
     /// The figures for the viewer
     #[arg(long, value_name = "FILE.rrd")]
@@ -55,7 +59,7 @@ pub struct Args {
     /// Seeds and starts in the comparison of PSO with NLSE
     #[arg(long, value_name = "N", default_value_t = SEEDS, value_parser = clap::value_parser!(u64).range(1..))]
     seeds: u64,
-    /// Write every estimate and duel of the UR5 as JSON (the DC motor's: armtwin motor --json)
+    /// Write every estimate, duel and study as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
@@ -75,7 +79,6 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if args.rrd.is_some() && cfg!(not(feature = "viewer")) {
         bail!("{NO_VIEWER}");
     }
-    let studied = read_all(&args.study)?;
     let bar = ProgressBar::new_spinner();
     bar.enable_steady_tick(std::time::Duration::from_millis(100));
     bar.set_message("UR5 in simulation");
@@ -92,11 +95,13 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let injected = ur5::injected(&made.setup);
     let tight = boxed_on(&synthetic, &injected, args.seeds)?;
-    let (reports, section) = motor_section(args, &studied, &bar)?;
+    let motor = motor_results(args, &bar)?;
     bar.set_message("figures");
     let mut all: Vec<Figure> = Vec::new();
-    for (scenario, report) in motor::scenarios()?.iter().zip(&reports).take(SHIPPED.len()) {
-        all.extend(of_motor(scenario, report)?);
+    if let Some(Results { reports, .. }) = &motor {
+        for (scenario, report) in motor::scenarios()?.iter().zip(reports).take(SHIPPED.len()) {
+            all.extend(of_motor(scenario, report)?);
+        }
     }
     let robot = Twin::default().robot;
     studies().for_each(|study| all.extend(figures::of_arm(study, &robot)));
@@ -108,7 +113,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         duels,
         boxed: tight,
         figures: &all,
-        motor: section,
+        motor,
     };
     if let Some(path) = &args.json {
         save::json(path, "armtwin.case_studies/1", &page.numbers())?;
@@ -183,13 +188,10 @@ fn boxed_on(
     laws()?.into_iter().map(on).collect()
 }
 
-fn motor_section(
-    args: &Args,
-    studied: &[String],
-    bar: &ProgressBar,
-) -> anyhow::Result<(Vec<ScenarioReport>, String)> {
+/// `None` where it is left out.
+fn motor_results(args: &Args, bar: &ProgressBar) -> anyhow::Result<Option<Results>> {
     if args.no_motor {
-        return Ok((Vec::new(), "## DC motor\n\nLeft out (--no-motor).\n".into()));
+        return Ok(None);
     }
     let scenarios = motor::scenarios()?;
     let mut reports = Vec::new();
@@ -197,25 +199,29 @@ fn motor_section(
         bar.set_message(format!("DC motor {} of {} (minutes)", n + 1, scenarios.len()));
         reports.push(identify(scenario, args.seed)?);
     }
-    bar.set_message("DC motor, 200 noises");
-    let studies = noises(&scenarios, args.seed)?;
-    let text = section(&reports, &studies, studied);
-    Ok((reports, text))
-}
-
-fn read_all(paths: &[PathBuf]) -> anyhow::Result<Vec<String>> {
-    let read = |p: &PathBuf| fs::read_to_string(p).with_context(|| format!("{}", p.display()));
-    paths.iter().map(read).collect()
+    let folder = args.keep.as_deref().map(Folder::open).transpose()?;
+    let archive: &dyn Archive = folder.as_ref().map_or(&(), |f| f);
+    let noises = Noises::of(&scenarios, args.pso_seeds);
+    let done = AtomicU64::new(0);
+    let tick = || {
+        let n = done.fetch_add(1, Ordering::Relaxed) + 1;
+        bar.set_message(format!("DC motor, noise {n} of {}", noises.count()));
+    };
+    let studies = noises.run(args.seed, archive, &tick)?;
+    Ok(Some(Results { reports, studies }))
 }
 
 fn command(args: &Args) -> String {
-    let studied = " --study FILE.md".repeat(args.study.len());
-    let motor = if args.no_motor { " --no-motor" } else { "" };
+    let motor = match args {
+        Args { no_motor: true, .. } => " --no-motor".into(),
+        Args { pso_seeds: 0, .. } => String::new(),
+        Args { pso_seeds, .. } => format!(" --pso-seeds {pso_seeds}"),
+    };
     let seeds = match args.seeds {
         SEEDS => String::new(),
         other => format!(" --seeds {other}"),
     };
-    format!("armtwin case-studies --out docs --seed {}{seeds}{studied}{motor}", args.seed)
+    format!("armtwin case-studies --out docs --seed {}{seeds}{motor}", args.seed)
 }
 
 fn write(out: &Path, page: &str, all: &[Figure]) -> anyhow::Result<()> {

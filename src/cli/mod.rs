@@ -19,6 +19,7 @@ mod inspect;
 mod interrupt;
 mod man;
 mod motor;
+mod motor_archive;
 mod progress;
 mod recovery;
 mod robots;

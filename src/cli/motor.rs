@@ -8,6 +8,7 @@ use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use super::motor_archive::Folder;
 use super::{interrupt, save};
 use crate::motor::dependence::dependence;
 use crate::motor::fit::Tick;
@@ -16,7 +17,7 @@ use crate::motor::render;
 use crate::motor::report::{Method, ScenarioReport, run as identify};
 use crate::motor::scenario::{Channel, SHIPPED, Scenario};
 use crate::motor::series::series;
-use crate::motor::study::{Study, study};
+use crate::motor::study::{Archive, Study, study};
 use crate::motor::study_text::{answer, grid};
 use crate::report::html::motor_report;
 
@@ -57,10 +58,13 @@ pub struct Args {
     study: bool,
     /// Noises of the study, from --seed on
     #[arg(long, default_value_t = 200, requires = "study")]
-    seeds: usize,
-    /// The first so many of them by PSO too (a minute each)
+    seeds: u64,
+    /// So many by PSO too (15 s each on one core)
     #[arg(long, default_value_t = 0, requires = "study")]
-    pso_seeds: usize,
+    pso_seeds: u64,
+    /// Folder for the study's searches; those that are in it are not made again
+    #[arg(long, value_name = "DIR", requires = "study")]
+    keep: Option<PathBuf>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
@@ -108,7 +112,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 
 fn run_studies(scenarios: &[Scenario], args: &Args) -> anyhow::Result<()> {
     let stop = interrupt::flag()?;
-    let bar = ProgressBar::new((scenarios.len() * (args.seeds + args.pso_seeds)) as u64);
+    let folder = args.keep.as_deref().map(Folder::open).transpose()?;
+    let archive: &dyn Archive = folder.as_ref().map_or(&(), |f| f);
+    let bar = ProgressBar::new(scenarios.len() as u64 * (args.seeds + args.pso_seeds));
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} noises, {eta} left") {
         bar.set_style(style);
     }
@@ -117,7 +123,7 @@ fn run_studies(scenarios: &[Scenario], args: &Args) -> anyhow::Result<()> {
     for scenario in scenarios {
         for (method, seeds) in [(Method::Nlse, args.seeds), (Method::Pso, args.pso_seeds)] {
             if seeds > 0 {
-                studies.push(study(scenario, method, args.seed, seeds, &stop, tick)?);
+                studies.push(study(scenario, method, [args.seed, seeds], archive, &stop, tick)?);
             }
         }
     }

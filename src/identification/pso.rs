@@ -116,6 +116,17 @@ pub fn minimise(
     settings: &Settings,
     seed: u64,
 ) -> Outcome {
+    minimise_below(|x, _| cost(x), bounds, settings, seed)
+}
+
+/// The same for a cost that is told the particle's own best one so far, and may say anything
+/// from there up where it is not below: the swarm asks no more of it.
+pub fn minimise_below(
+    cost: impl Fn(&[f64], f64) -> f64 + Sync,
+    bounds: &Bounds,
+    settings: &Settings,
+    seed: u64,
+) -> Outcome {
     let particles = settings.particles_per_parameter * bounds.len();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut swarm = Swarm::scattered(bounds, particles, &mut rng);
@@ -163,17 +174,17 @@ impl Swarm {
     /// Costs of all positions, then the memories.
     fn evaluate(
         &mut self,
-        cost: &(impl Fn(&[f64]) -> f64 + Sync),
+        cost: &(impl Fn(&[f64], f64) -> f64 + Sync),
         parallel: bool,
         costs: &mut [f64],
     ) {
         let n = self.dimension;
         if parallel {
-            let positions = self.position.par_chunks_exact(n);
-            costs.par_iter_mut().zip(positions).for_each(|(c, x)| *c = cost(x));
+            let known = self.position.par_chunks_exact(n).zip(&self.own_cost);
+            costs.par_iter_mut().zip(known).for_each(|(c, (x, &own))| *c = cost(x, own));
         } else {
-            let positions = self.position.chunks_exact(n);
-            costs.iter_mut().zip(positions).for_each(|(c, x)| *c = cost(x));
+            let known = self.position.chunks_exact(n).zip(&self.own_cost);
+            costs.iter_mut().zip(known).for_each(|(c, (x, &own))| *c = cost(x, own));
         }
         for (i, &c) in costs.iter().enumerate() {
             self.remember(i, c);

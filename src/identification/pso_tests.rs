@@ -34,6 +34,17 @@ fn the_outcome_follows_from_the_seed_and_not_from_the_threads() {
 }
 
 #[test]
+fn a_cost_that_is_only_a_bound_where_it_is_not_below_its_limit_finds_the_same() {
+    let settings = Settings { iterations: 50, ..Settings::default() };
+    let cut_short = |x: &[f64], limit: f64| {
+        let cost = sphere(x);
+        if cost < limit { cost } else { limit }
+    };
+    let whole = minimise(sphere, &cube(3), &settings, 5);
+    assert_eq!(minimise_below(cut_short, &cube(3), &settings, 5), whole);
+}
+
+#[test]
 fn a_cost_that_is_never_finite_is_said_so() {
     let settings = Settings { iterations: 3, ..Settings::default() };
     assert_eq!(minimise(|_| f64::NAN, &cube(2), &settings, 1).stop, Stop::NoFiniteCost);

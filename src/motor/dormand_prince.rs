@@ -96,6 +96,13 @@ impl<const N: usize> Dense<N> {
         std::array::from_fn(|n| self.component(n, theta))
     }
 
+    /// The coefficients of theta^0 to theta^4 of one component.
+    #[inline]
+    pub fn powers(&self, n: usize) -> [f64; 5] {
+        let [c0, c1, c2, c3] = self.c.map(|c| c[n]);
+        [self.y0[n], c0 + c1, c2 + c3 - c1, -c2 - 2.0 * c3, c3]
+    }
+
     #[inline]
     pub fn component(&self, n: usize, theta: f64) -> f64 {
         let rest = 1.0 - theta;

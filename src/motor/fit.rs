@@ -53,15 +53,16 @@ pub fn swarm(
 ) -> Fit {
     let start = Instant::now();
     let coordinates = Coordinates { problem };
-    let cost = |u: &[f64]| {
+    let cost = |u: &[f64], limit: f64| {
         tick();
-        problem.cost(&coordinates.parameters(u))
+        problem.cost_below(limit, &coordinates.parameters(u))
     };
-    let found = pso::minimise(cost, &coordinates.bounds(bounds), settings, seed);
+    let found = pso::minimise_below(cost, &coordinates.bounds(bounds), settings, seed);
+    let best = coordinates.parameters(&found.best);
     Fit {
         method: "pso",
-        values: problem.complete(&coordinates.parameters(&found.best)),
-        cost: found.cost,
+        values: problem.complete(&best),
+        cost: problem.cost(&best),
         evaluations: found.evaluations,
         seconds: start.elapsed().as_secs_f64(),
         stopped: text_of(&found.stop),

@@ -10,6 +10,7 @@ use super::model::{COUNT, NAMES, index};
 use super::report::{Method, run};
 use super::scenario::{Channel, SHIPPED, Scenario, ScenarioError};
 use super::study::study;
+use crate::identification::levenberg_marquardt::Residuals;
 use crate::identification::pso;
 
 /// A shipped scenario at 100 Hz instead of 1 kHz, to keep tests fast.
@@ -134,6 +135,31 @@ fn a_search_from_the_speed_ends_where_it_started() {
     assert!(r[1] / r[0] > 1.2 && r[2] / r[0] < 0.85, "{r:?}");
 }
 
+/// The noise is 1, and 1e-4 of it far less than what swarms leave on the table.
+#[test]
+fn a_swarms_cost_is_the_cost_or_not_below_its_limit() {
+    let mut scenario = thinned(1);
+    for measured in [vec![Channel::Omega], vec![Channel::Omega, Channel::Current]] {
+        scenario.measured = measured;
+        let record = record(&scenario);
+        let problem = scenario.problem(&record);
+        for share in [0.7, 0.95, 1.0, 1.1, 1.6] {
+            let x = scenario.truth.to_array().map(|v| share * v);
+            let mut residuals = vec![0.0; problem.count()];
+            problem.residuals(&x, &mut residuals);
+            let squares: f64 = residuals.iter().map(|r| r * r).sum();
+            let cost = (squares / residuals.len() as f64).sqrt();
+            assert!((problem.cost(&x) / cost - 1.0).abs() < 1e-12, "{share}");
+            let coarse = problem.cost_below(f64::INFINITY, &x);
+            assert!((coarse / cost - 1.0).abs() < 1e-4, "{share}: {coarse} {cost}");
+            assert_eq!(problem.cost_below(1.01 * coarse, &x), coarse);
+            for limit in [0.2, 0.9, 0.999_999, 1.0].map(|s| s * coarse) {
+                assert!(problem.cost_below(limit, &x) >= limit, "{share}");
+            }
+        }
+    }
+}
+
 #[test]
 fn the_swarm_comes_close_in_a_small_box() {
     let mut scenario = thinned(2);
@@ -170,7 +196,8 @@ fn members_follow_the_box_and_combinations_do_not() {
 fn honest_conventions_keep_their_rates_and_the_papers_does_not() {
     let mut scenario = thinned(2);
     scenario.measured = vec![Channel::Omega, Channel::Current];
-    let study = study(&scenario, Method::Nlse, 100, 40, &AtomicBool::new(false), &|| ()).unwrap();
+    let study =
+        study(&scenario, Method::Nlse, [100, 40], &(), &AtomicBool::new(false), &|| ()).unwrap();
     assert_eq!((study.seeds, study.failed), (40, 0));
     for k in [index::T_V2, index::T_V3] {
         let counts = &study.parameters[k];

@@ -1,6 +1,7 @@
 //! The paper's first case study: a DC motor whose ten parameters are identified with its
 //! simulation in the loop (section 3.1 and 4.1, Tables III and IV).
 
+mod consumer;
 pub mod dependence;
 pub mod dormand_prince;
 pub mod experiment;
@@ -17,6 +18,8 @@ pub mod scenario;
 pub mod sensitivity;
 pub mod series;
 pub mod simulate;
+pub mod sliding;
+mod squares;
 pub mod study;
 pub mod study_text;
 

@@ -121,11 +121,10 @@ impl Motor {
         viscous - (self.t_s - self.t_c) * self.stribeck(speed) / self.omega_s
     }
 
-    /// exp(-|w / w_s|) for speed = |w|; capped where a trial step overshoots a reversal by far.
+    /// exp(-|w / w_s|) for speed = |w|; see [`stribeck`].
     #[inline]
     pub fn stribeck(&self, speed: f64) -> f64 {
-        const FARTHEST: f64 = 30.0;
-        (-speed / self.omega_s).min(FARTHEST).exp()
+        stribeck(-speed / self.omega_s)
     }
 
     /// Current after standing for `time` seconds at constant voltage (w = 0), A:
@@ -146,4 +145,13 @@ impl Motor {
         let time = self.l / self.r * ((end - start) / (end - limit)).ln();
         Some(time.max(0.0))
     }
+}
+
+/// exp(x), capped where a trial step overshoots a reversal by far, and left out where it vanishes
+/// beside the dry friction it is added to (below 4e-18).
+#[inline(always)]
+pub fn stribeck(x: f64) -> f64 {
+    const HIGHEST: f64 = 30.0;
+    const LOWEST: f64 = -40.0;
+    if x < LOWEST { 0.0 } else { x.min(HIGHEST).exp() }
 }

@@ -6,11 +6,13 @@
 
 use std::cell::RefCell;
 
+use super::consumer::Consumer;
 use super::experiment::Record;
 use super::model::{COUNT, Motor};
 use super::scenario::{Channel, Scenario};
 use super::sensitivity::{Sensitivities, simulate_with_sensitivities};
-use super::simulate::{Accuracy, simulate_each};
+use super::simulate::{Accuracy, simulate_each, simulate_into};
+use super::squares::Squares;
 use crate::identification::bounds::Bounds;
 use crate::identification::levenberg_marquardt::Residuals;
 use crate::statistics::noise_from_differences;
@@ -66,23 +68,24 @@ impl<'a> OutputError<'a> {
 
     /// sqrt(mean r^2), in units of the noise; infinite where the motor cannot be simulated.
     pub fn cost(&self, x: &[f64]) -> f64 {
-        let measured = &self.record.measured;
-        let both = self.channels.contains(&Channel::Current);
-        let (mut k, mut omega, mut current) = (0, 0.0, 0.0);
-        let done = simulate_each(&self.motor(x), &self.record.input, self.accuracy, |i, w| {
-            omega += (w - measured.omega[k]).powi(2);
-            if both {
-                current += (i - measured.current[k]).powi(2);
-            }
-            k += 1;
-        });
-        if done.is_err() {
+        self.cost_at(self.accuracy, f64::INFINITY, x)
+    }
+
+    /// The cost where it is below `limit`, as accurate as a swarm needs it; elsewhere any number
+    /// from `limit` up, for the simulation ends when that is sure.
+    pub fn cost_below(&self, limit: f64, x: &[f64]) -> f64 {
+        self.cost_at(Accuracy::SWARM, limit, x)
+    }
+
+    fn cost_at(&self, accuracy: Accuracy, limit: f64, x: &[f64]) -> f64 {
+        let count = self.count() as f64;
+        let channels = self.channels.iter().zip(&self.sigma);
+        let mut sum = Squares::new(&self.record.measured, channels, limit * limit * count);
+        if simulate_into(&self.motor(x), &self.record.input, accuracy, &mut sum).is_err() {
             return f64::INFINITY;
         }
-        let squares = |c: &Channel| if *c == Channel::Omega { omega } else { current };
-        let sum: f64 =
-            self.channels.iter().zip(&self.sigma).map(|(c, s)| squares(c) / (s * s)).sum();
-        (sum / (self.samples() * self.channels.len()) as f64).sqrt()
+        let cost = (sum.total() / count).sqrt();
+        if sum.has_enough() { cost.max(limit) } else { cost }
     }
 
     fn offset(&self, channel: Channel) -> Option<(usize, f64)> {

@@ -11,6 +11,7 @@
 //! Output is not differentiable where a change of parameters changes the sequence of modes (a stop
 //! that is just reached or just missed): there the derivative is one-sided.
 
+use super::dormand_prince::Field;
 use super::model::{COUNT, Motor, index};
 use super::simulate::{Accuracy, CURRENT, Failure, Hybrid, Input, OMEGA, run};
 
@@ -39,7 +40,7 @@ pub fn simulate_with_sensitivities(
     output.current.clear();
     output.d_omega.clear();
     output.d_current.clear();
-    run(&Varied(*motor), input, accuracy, |y: &[f64; N]| {
+    run(&Varied(*motor), input, accuracy, &mut |y: &[f64; N]| {
         output.current.push(y[CURRENT]);
         output.omega.push(y[OMEGA]);
         output.d_current.push(std::array::from_fn(|p| y[S_I + p]));
@@ -49,6 +50,12 @@ pub fn simulate_with_sensitivities(
 
 #[derive(Clone, Copy)]
 struct Varied(Motor);
+
+struct VariedSliding {
+    system: Varied,
+    voltage: f64,
+    sign: f64,
+}
 
 impl Varied {
     /// d(di/dt)/dtheta at fixed state.
@@ -81,20 +88,17 @@ impl Varied {
     }
 }
 
-impl Hybrid<N> for Varied {
-    fn motor(&self) -> &Motor {
-        &self.0
-    }
-
+impl Field<N> for VariedSliding {
     #[inline]
-    fn slide(&self, voltage: f64, sign: f64, y: &[f64; N]) -> [f64; N] {
-        let m = &self.0;
+    fn rate(&self, y: &[f64; N]) -> [f64; N] {
+        let Self { system, voltage, sign } = *self;
+        let m = &system.0;
         let (i, w) = (y[CURRENT], y[OMEGA]);
         let mut dy = [0.0; N];
         dy[CURRENT] = m.current_rate(voltage, i, w);
         dy[OMEGA] = m.acceleration(i, w, sign);
-        let f_i = self.current_partials(i, w, dy[CURRENT]);
-        let f_w = self.speed_partials(i, w, dy[OMEGA], sign);
+        let f_i = system.current_partials(i, w, dy[CURRENT]);
+        let f_w = system.speed_partials(i, w, dy[OMEGA], sign);
         let (ii, iw) = (-m.r / m.l, -m.k / m.l);
         let (wi, ww) = (m.k / m.j, -m.friction_slope(w, sign) / m.j);
         for p in 0..COUNT {
@@ -102,6 +106,18 @@ impl Hybrid<N> for Varied {
             dy[S_W + p] = wi * y[S_I + p] + ww * y[S_W + p] + f_w[p];
         }
         dy
+    }
+}
+
+impl Hybrid<N> for Varied {
+    type Sliding = VariedSliding;
+
+    fn motor(&self) -> &Motor {
+        &self.0
+    }
+
+    fn sliding(&self, voltage: f64, sign: f64) -> VariedSliding {
+        VariedSliding { system: *self, voltage, sign }
     }
 
     fn stand(&self, voltage: f64, y: &[f64; N], time: f64) -> [f64; N] {

@@ -5,7 +5,7 @@ use super::experiment::Record;
 use super::model::COUNT;
 use super::report::{MethodReport, MotorError, ScenarioReport, recordings};
 use super::scenario::Scenario;
-use super::simulate::{Accuracy, Output, simulate};
+use super::simulate::{Accuracy, Failure, Output, simulate};
 
 /// One recording. All series have a value per entry of `time`.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +18,8 @@ pub struct Series {
     pub voltage: Vec<f64>,
     /// Its torque is that of the true K.
     pub measured: Signals,
+    /// What the true motor did, without noise.
+    pub truth: Signals,
     /// By method.
     pub calculated: Vec<(&'static str, Signals)>,
 }
@@ -49,12 +51,15 @@ fn one(
     methods: &[MethodReport],
 ) -> Result<Series, MotorError> {
     let Record { input, measured } = record;
+    let signals = |motor: &Motor| -> Result<Signals, Failure> {
+        let mut output = Output::default();
+        simulate(motor, &input, Accuracy::TRUTH, &mut output)?;
+        Ok(Signals::of(output, motor))
+    };
     let calculated = |m: &MethodReport| -> Result<(&'static str, Signals), MotorError> {
         let values: [f64; COUNT] = std::array::from_fn(|k| m.parameters[k].value);
-        let (motor, mut output) = (Motor::from_array(&values), Output::default());
-        simulate(&motor, &input, Accuracy::TRUTH, &mut output)
-            .map_err(|_| MotorError::NothingFits)?;
-        Ok((m.method, Signals::of(output, &motor)))
+        let found = signals(&Motor::from_array(&values)).map_err(|_| MotorError::NothingFits)?;
+        Ok((m.method, found))
     };
     let held = input.holds.iter().flat_map(|h| std::iter::repeat_n(h.voltage, h.samples));
     Ok(Series {
@@ -62,6 +67,7 @@ fn one(
         time: (1..=input.samples()).map(|k| k as f64 * input.sample_time).collect(),
         voltage: held.collect(),
         measured: Signals::of(measured, truth),
+        truth: signals(truth).map_err(MotorError::Truth)?,
         calculated: methods.iter().map(calculated).collect::<Result<_, _>>()?,
     })
 }

@@ -8,8 +8,10 @@
 //! The error of a step is measured in rad/s and in shares of the stall current, so that the
 //! choice of steps does not change when current and torques are expressed in other units.
 
+use super::consumer::Consumer;
 use super::dormand_prince::{Field, Step};
 use super::model::Motor;
+use super::sliding::Sliding;
 
 /// One level of voltage, held for a whole number of samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +54,8 @@ impl Accuracy {
     pub const TRUTH: Self = Self { tolerance: 1e-10, steps: 10_000_000 };
     /// For the thousands of simulations of a search: far below any measurement noise.
     pub const SEARCH: Self = Self { tolerance: 1e-6, steps: 200_000 };
+    /// For the hundred thousand of a swarm, which only compares costs.
+    pub const SWARM: Self = Self { tolerance: 1e-5, steps: 200_000 };
 }
 
 /// Why there is no output: a matter of parameters that are no motor, so searches expect it.
@@ -103,7 +107,17 @@ pub fn simulate_each(
     accuracy: Accuracy,
     mut each: impl FnMut(f64, f64),
 ) -> Result<(), Failure> {
-    run(&Plain(*motor), input, accuracy, |y: &[f64; 2]| each(y[CURRENT], y[OMEGA]))
+    run(&Plain(*motor), input, accuracy, &mut |y: &[f64; 2]| each(y[CURRENT], y[OMEGA]))
+}
+
+/// Simulates from rest until `out` has enough.
+pub(super) fn simulate_into(
+    motor: &Motor,
+    input: &Input,
+    accuracy: Accuracy,
+    out: &mut impl Consumer<2>,
+) -> Result<(), Failure> {
+    run(&Plain(*motor), input, accuracy, out)
 }
 
 pub(super) const CURRENT: usize = 0;
@@ -111,9 +125,10 @@ pub(super) const OMEGA: usize = 1;
 
 /// What the driver needs to know of a state vector that begins with current and speed.
 pub(super) trait Hybrid<const N: usize>: Copy {
+    type Sliding: Field<N>;
     fn motor(&self) -> &Motor;
     /// y' while sliding in direction `sign`.
-    fn slide(&self, voltage: f64, sign: f64, y: &[f64; N]) -> [f64; N];
+    fn sliding(&self, voltage: f64, sign: f64) -> Self::Sliding;
     /// y after standing for `time`.
     fn stand(&self, voltage: f64, y: &[f64; N], time: f64) -> [f64; N];
     /// Adjusts the state to a change of mode at w = 0, given dw/dt before and after.
@@ -124,14 +139,14 @@ pub(super) trait Hybrid<const N: usize>: Copy {
 struct Plain(Motor);
 
 impl Hybrid<2> for Plain {
+    type Sliding = Sliding;
+
     fn motor(&self) -> &Motor {
         &self.0
     }
 
-    #[inline]
-    fn slide(&self, voltage: f64, sign: f64, y: &[f64; 2]) -> [f64; 2] {
-        let [i, w] = *y;
-        [self.0.current_rate(voltage, i, w), self.0.acceleration(i, w, sign)]
+    fn sliding(&self, voltage: f64, sign: f64) -> Sliding {
+        Sliding::new(&self.0, voltage, sign)
     }
 
     fn stand(&self, voltage: f64, y: &[f64; 2], time: f64) -> [f64; 2] {
@@ -163,21 +178,8 @@ impl Mode {
     }
 }
 
-struct Sliding<S> {
-    system: S,
-    voltage: f64,
-    sign: f64,
-}
-
-impl<const N: usize, S: Hybrid<N>> Field<N> for Sliding<S> {
-    #[inline(always)]
-    fn rate(&self, y: &[f64; N]) -> [f64; N] {
-        self.system.slide(self.voltage, self.sign, y)
-    }
-}
-
 /// The state of a run within one hold.
-struct Run<const N: usize, S, F> {
+struct Run<'a, const N: usize, S, F> {
     system: S,
     voltage: f64,
     y: [f64; N],
@@ -193,19 +195,21 @@ struct Run<const N: usize, S, F> {
     /// Length the next step tries, s.
     h: f64,
     steps: usize,
-    accuracy: Accuracy,
-    /// A per unit of error: the stall current at full voltage.
-    current_scale: f64,
-    out: F,
+    most_steps: usize,
+    /// What errors of current and speed are multiplied with: 1 is what is tolerated. Current
+    /// counts in shares of the stall current at full voltage.
+    strictness: [f64; 2],
+    out: &'a mut F,
 }
 
 pub(super) fn run<const N: usize, S: Hybrid<N>>(
     system: &S,
     input: &Input,
     accuracy: Accuracy,
-    out: impl FnMut(&[f64; N]),
+    out: &mut impl Consumer<N>,
 ) -> Result<(), Failure> {
     let peak = input.holds.iter().fold(0.0_f64, |m, h| m.max(h.voltage.abs()));
+    let stall_current = peak.max(f64::MIN_POSITIVE) / system.motor().r;
     let mut run = Run {
         system: *system,
         voltage: 0.0,
@@ -218,13 +222,16 @@ pub(super) fn run<const N: usize, S: Hybrid<N>>(
         samples: 0,
         h: FIRST_STEP,
         steps: 0,
-        accuracy,
-        current_scale: peak.max(f64::MIN_POSITIVE) / system.motor().r,
+        most_steps: accuracy.steps,
+        strictness: [1.0 / (stall_current * accuracy.tolerance), 1.0 / accuracy.tolerance],
         out,
     };
     let mut start = 0.0;
     for hold in &input.holds {
         run.hold(hold).map_err(|e| e.shifted(start))?;
+        if run.out.has_enough() {
+            break;
+        }
         start += run.end;
     }
     Ok(())
@@ -239,7 +246,7 @@ impl Failure {
     }
 }
 
-impl<const N: usize, S: Hybrid<N>, F: FnMut(&[f64; N])> Run<N, S, F> {
+impl<const N: usize, S: Hybrid<N>, F: Consumer<N>> Run<'_, N, S, F> {
     fn hold(&mut self, hold: &Hold) -> Result<(), Failure> {
         self.voltage = hold.voltage;
         self.samples = hold.samples;
@@ -254,7 +261,7 @@ impl<const N: usize, S: Hybrid<N>, F: FnMut(&[f64; N])> Run<N, S, F> {
         }
         // A sample that rounding left behind lies at the end of the hold.
         while self.next <= self.samples {
-            (self.out)(&self.y);
+            self.out.take(&self.y);
             self.next += 1;
         }
         Ok(())
@@ -268,7 +275,7 @@ impl<const N: usize, S: Hybrid<N>, F: FnMut(&[f64; N])> Run<N, S, F> {
         let time = breakaway.unwrap_or(left).min(left);
         while self.next <= self.samples && self.sample_at() <= self.t + time {
             let y = self.system.stand(self.voltage, &self.y, self.sample_at() - self.t);
-            (self.out)(&y);
+            self.out.take(&y);
             self.next += 1;
         }
         self.y = self.system.stand(self.voltage, &self.y, time);
@@ -280,7 +287,7 @@ impl<const N: usize, S: Hybrid<N>, F: FnMut(&[f64; N])> Run<N, S, F> {
 
     /// Slides until the speed is zero or the hold ends.
     fn slide(&mut self, sign: f64) -> Result<(), Failure> {
-        let field = Sliding { system: self.system, voltage: self.voltage, sign };
+        let field = self.system.sliding(self.voltage, sign);
         let mut k1 = field.rate(&self.y);
         loop {
             let left = self.end - self.t;
@@ -290,7 +297,7 @@ impl<const N: usize, S: Hybrid<N>, F: FnMut(&[f64; N])> Run<N, S, F> {
             let h = self.h.min(left);
             let step = Step::take(&field, &self.y, &k1, h);
             self.steps += 1;
-            if self.steps > self.accuracy.steps {
+            if self.steps > self.most_steps {
                 return Err(Failure::Stiff(self.t));
             }
             let error = self.error(&step);
@@ -335,11 +342,10 @@ impl<const N: usize, S: Hybrid<N>, F: FnMut(&[f64; N])> Run<N, S, F> {
         if self.next > last {
             return;
         }
-        let dense = step.dense();
-        let (t, per_h, sample_time) = (self.t, 1.0 / step.h, self.sample_time);
-        for k in self.next..=last {
-            (self.out)(&dense.at((k as f64 * sample_time - t) * per_h));
-        }
+        let per_h = 1.0 / step.h;
+        let first = (self.sample_at() - self.t) * per_h;
+        let count = last + 1 - self.next;
+        self.out.take_all(&step.dense(), first, self.sample_time * per_h, count);
         self.next = last + 1;
     }
 
@@ -361,15 +367,16 @@ impl<const N: usize, S: Hybrid<N>, F: FnMut(&[f64; N])> Run<N, S, F> {
 
     /// Error of a step as a multiple of what is tolerated.
     fn error(&self, step: &Step<N>) -> f64 {
-        let current = (step.error[CURRENT] / self.current_scale).abs();
-        let worst = step.error[OMEGA].abs().max(current) / self.accuracy.tolerance;
+        let of = |n: usize| (step.error[n] * self.strictness[n]).abs();
+        let worst = of(OMEGA).max(of(CURRENT));
         if worst.is_nan() { f64::INFINITY } else { worst }
     }
 
     /// Step length control (Hairer, Norsett, Wanner II.4, Eq. 4.13). A last short step before the
     /// end of a hold says little about the next one, so it may only shorten it.
     fn adapt(&mut self, h: f64, error: f64) {
-        let factor = (0.9 * error.powf(-0.2)).clamp(0.2, 5.0);
+        // Half the digits do for a length, in half the time.
+        let factor = (0.9 * f64::from((error as f32).powf(-0.2))).clamp(0.2, 5.0);
         let cut_short = h < self.h && factor > 1.0;
         self.h = if cut_short { self.h.max(h * factor) } else { h * factor };
         self.h = self.h.min(LONGEST_STEP);

@@ -11,14 +11,16 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::experiment::Clean;
-use super::fit::{Tick, least_squares_from, swarm};
+use super::fit::{Fit, Tick, least_squares_from, swarm};
 use super::inference::{ALPHA, Conventions, Interval, analyse};
 use super::model::{COUNT, NAMES};
+use super::output_error::OutputError;
 use super::report::{FARTHEST, Given, Method, MotorError, error_percent};
 use super::scenario::{Channel, Scenario};
+use crate::identification::pso;
 
 /// The three conventions in the order they are counted.
 pub const CONVENTIONS: [&str; 3] = ["robust", "asymptotic", "paper"];
@@ -69,29 +71,50 @@ pub struct Counts {
     pub error_percent: Option<[f64; 2]>,
 }
 
+/// Where a search ended: all that a study needs of it, and most of its time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Search {
+    pub values: [f64; COUNT],
+    pub cost: f64,
+    pub evaluations: usize,
+    pub seconds: f64,
+}
+
+/// Searches that were made before, by another run of the same study.
+pub trait Archive: Sync {
+    fn find(&self, scenario: &Scenario, method: Method, seed: u64) -> Option<Search>;
+    fn keep(&self, scenario: &Scenario, method: Method, seed: u64, search: &Search);
+}
+
+/// Remembers nothing.
+impl Archive for () {
+    fn find(&self, _: &Scenario, _: Method, _: u64) -> Option<Search> {
+        None
+    }
+
+    fn keep(&self, _: &Scenario, _: Method, _: u64, _: &Search) {}
+}
+
 /// Runs `seeds` noises of one scenario; stops early, with what is done, when `stop` is set.
 pub fn study(
     scenario: &Scenario,
     method: Method,
-    first_seed: u64,
-    seeds: usize,
+    [first_seed, seeds]: [u64; 2],
+    archive: &dyn Archive,
     stop: &AtomicBool,
     tick: Tick<'_>,
 ) -> Result<Study, MotorError> {
     let clean = Clean::of(&scenario.truth, &scenario.identification).map_err(MotorError::Truth)?;
-    let one = |n: usize| {
+    let one = |seed: u64| {
         if stop.load(Ordering::Relaxed) {
             return None;
         }
-        let outcome = noise(scenario, &clean, method, first_seed + n as u64);
+        let outcome = noise(scenario, &clean, method, seed, archive);
         tick();
         Some(outcome)
     };
-    // A swarm keeps all cores busy by itself.
-    let outcomes: Vec<Option<Run>> = match method {
-        Method::Nlse => (0..seeds).into_par_iter().filter_map(one).collect(),
-        Method::Pso => (0..seeds).filter_map(one).collect(),
-    };
+    let all = first_seed..first_seed + seeds;
+    let outcomes: Vec<Option<Run>> = all.into_par_iter().filter_map(one).collect();
     let done = outcomes.len();
     let runs: Vec<Run> = outcomes.into_iter().flatten().collect();
     let truth = scenario.truth.to_array();
@@ -109,25 +132,43 @@ pub fn study(
     })
 }
 
-fn noise(scenario: &Scenario, clean: &Clean, method: Method, seed: u64) -> Option<Run> {
+fn noise(
+    scenario: &Scenario,
+    clean: &Clean,
+    method: Method,
+    seed: u64,
+    archive: &dyn Archive,
+) -> Option<Run> {
     let record = clean.for_identification(seed);
     let problem = scenario.problem(&record);
-    let bounds = &scenario.bounds;
-    let quiet = &|| ();
-    let fit = match method {
-        Method::Nlse => least_squares_from(&problem, bounds, &[scenario.truth.to_array()], quiet),
-        Method::Pso => swarm(&problem, bounds, &scenario.pso, seed, quiet),
-    };
-    let knowledge = analyse(&problem, &fit.values).ok()?;
+    let before = archive.find(scenario, method, seed);
+    let found = before.unwrap_or_else(|| {
+        let found = search(scenario, &problem, method, seed);
+        archive.keep(scenario, method, seed, &found);
+        found
+    });
+    let knowledge = analyse(&problem, &found.values).ok()?;
     Some(Run {
         seed,
-        cost: fit.cost,
-        evaluations: fit.evaluations,
-        seconds: fit.seconds,
+        cost: found.cost,
+        evaluations: found.evaluations,
+        seconds: found.seconds,
         newton_step: knowledge.newton_step,
-        values: fit.values,
+        values: found.values,
         knowledge: knowledge.parameters.to_vec(),
     })
+}
+
+fn search(scenario: &Scenario, problem: &OutputError<'_>, method: Method, seed: u64) -> Search {
+    let bounds = &scenario.bounds;
+    let quiet = &|| ();
+    // Noises keep all cores busy.
+    let settings = pso::Settings { parallel: false, ..scenario.pso };
+    let Fit { values, cost, evaluations, seconds, .. } = match method {
+        Method::Nlse => least_squares_from(problem, bounds, &[scenario.truth.to_array()], quiet),
+        Method::Pso => swarm(problem, bounds, &settings, seed, quiet),
+    };
+    Search { values, cost, evaluations, seconds }
 }
 
 fn counts(runs: &[Run], k: usize, truth: f64) -> Counts {

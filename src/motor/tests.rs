@@ -1,8 +1,10 @@
 //! Physics, accuracy and derivatives of the motor.
 
+use super::dormand_prince::{Field, Step};
 use super::model::{COUNT, Motor, index};
 use super::sensitivity::{Sensitivities, simulate_with_sensitivities};
 use super::simulate::{Accuracy, Failure, Hold, Input, Output, simulate};
+use super::sliding::Sliding;
 
 pub(super) const TRUTH: Motor = Motor {
     j: 0.1,
@@ -79,6 +81,27 @@ fn error_falls_with_the_tolerance() {
     assert!(error(1e-6) < 3e-5, "{}", error(1e-6));
     assert!(error(1e-8) < 3e-7, "{}", error(1e-8));
     assert!(error(1e-10) < 3e-9, "{}", error(1e-10));
+}
+
+#[test]
+fn the_polynomial_of_a_step_is_its_continuous_extension() {
+    let field = Sliding::new(&TRUTH, 3.0, 1.0);
+    let y = [1.0, 0.02];
+    let dense = Step::take(&field, &y, &field.rate(&y), 0.01).dense();
+    for (n, theta) in [(0, 0.0), (1, 0.3), (0, 0.7), (1, 1.0)] {
+        let powers = dense.powers(n);
+        let value = powers.iter().rev().fold(0.0, |sum, p| sum * theta + p);
+        assert!((value - dense.component(n, theta)).abs() < 1e-15, "{n} {theta}");
+    }
+}
+
+#[test]
+fn prepared_rates_are_those_of_the_model() {
+    for (voltage, sign, i, w) in [(3.0, 1.0, 0.7, 0.004), (-4.0, -1.0, 1.2, -2.0)] {
+        let [di, dw] = Sliding::new(&TRUTH, voltage, sign).rate(&[i, w]);
+        assert!((di - TRUTH.current_rate(voltage, i, w)).abs() < 1e-12);
+        assert!((dw - TRUTH.acceleration(i, w, sign)).abs() < 1e-12);
+    }
 }
 
 #[test]

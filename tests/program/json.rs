@@ -103,6 +103,10 @@ fn of_the_case_studies() {
     assert!(nlse["joints"][0]["check"]["r2"].as_f64().unwrap() > 0.9, "{}", nlse["joints"][0]);
     let duel = &studies["duels"][0]["joints"][0];
     assert_eq!(duel["swarm"]["runs"], 1);
+    let boxes = studies["boxes"][0]["widths"].as_array().unwrap();
+    assert_eq!((boxes.len(), &boxes[0]["width"]), (3, &1.05.into()));
+    assert_eq!(boxes[0]["duels"][0]["separable"]["runs"], 1);
+    assert_eq!(studies["motor"], Value::Null);
     let page = std::fs::read_to_string(at("docs/case-studies.md")).unwrap();
     assert!(page.contains("Table V") && page.contains("Left out (--no-motor)"));
     for figure in studies["figures"].as_array().unwrap() {

@@ -84,6 +84,35 @@ fn the_study_counts_and_writes_markdown() {
 }
 
 #[test]
+fn a_study_takes_up_where_it_was_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = shortened(folder.path(), 2);
+    let keep = folder.path().join("keep");
+    let run = |method: &str, seeds: &str| {
+        let more = ["--keep", keep.to_str().unwrap(), "--measured", "omega,current"];
+        let seeds = match method {
+            "pso" => ["--seeds", "0", "--pso-seeds", seeds],
+            _ => ["--pso-seeds", "0", "--seeds", seeds],
+        };
+        let study = ["motor", scenario.to_str().unwrap(), "--study"];
+        json_of(&[&study[..], &seeds, &more].concat()).1["studies"][0].clone()
+    };
+    for method in ["pso", "nlse"] {
+        let before = files_in(&keep);
+        run(method, "2");
+        assert_eq!(files_in(&keep), before + 2);
+        let all = run(method, "3");
+        assert_eq!(files_in(&keep), before + 3);
+        let again = run(method, "3");
+        assert_eq!(again, all, "every search is taken from the folder, its seconds too");
+    }
+}
+
+fn files_in(folder: &Path) -> usize {
+    fs::read_dir(folder).map_or(0, Iterator::count)
+}
+
+#[test]
 fn wrong_usage_and_bad_scenarios_end_with_one_message() {
     for arguments in [
         &["motor", "--given", "Q=1"][..],
