@@ -22,8 +22,10 @@ const MOST_ROUNDS: usize = 8;
 pub const REFINED: usize = 24;
 /// Of the mean square of the joints it acts on: a smaller gain on the check is no finding.
 const LEAST_GAIN: f64 = 0.01;
-/// The same at joints where the motion's band holds little more than noise.
+/// The same at joints where the motion's band holds little more than noise, unless frozen values gain
+/// as many nats there: what acts in few samples, as a lost motion does, is sure and small.
 const LEAST_QUIET_GAIN: f64 = 0.05;
+const SURE_AND_SMALL_NATS: f64 = 100.0;
 /// Power in the motion's band over the noise from which something systematic may be left.
 const UNQUIET_BAND: f64 = 1.5;
 /// Surrogate gaps explained as well as the real one, at most, as a share.
@@ -209,7 +211,11 @@ impl<'a, 'e> Search<'a, 'e> {
         let [low, middle] =
             significance::shrink(&state.residual, &h.residual, &joints, self.settings.seed);
         let systematic = joints.iter().any(|&j| in_motion_band[j] > UNQUIET_BAND);
-        let least = if systematic { LEAST_GAIN } else { LEAST_QUIET_GAIN };
+        let least = match systematic {
+            true => LEAST_GAIN,
+            false if h.gain_check >= SURE_AND_SMALL_NATS => 0.0,
+            false => LEAST_QUIET_GAIN,
+        };
         if low <= 0.0 || middle < least {
             return Some(format!(
                 "{name} takes {:.1} % (90 %: from {:.1} %) off the second recording's gap, too \

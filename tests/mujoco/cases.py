@@ -1,15 +1,17 @@
-"""Blind cases from MuJoCo: `python cases.py OUT [CASES] [SEED]`, with `ARMTWIN` naming the binary.
+"""Labelled cases from MuJoCo, for blind trials: `python cases.py OUT`; `ARMTWIN` names the binary.
 
-A second simulator beside the one that `armtwin trial draw` uses, for `trial draw --from OUT`. Nothing
-but the URDF is shared: MuJoCo's implicit integrator at half a millisecond, dry friction as a
-constraint, computed torque with PD and a friction feed-forward that is off, every effect written here
-from its law. Per case two recordings of 48 s at 125 Hz with RTDE columns (`identification.csv.gz`,
-`validation.csv.gz`) and `truth.json`; `twin.toml` is the nominal twin of all.
+A second simulator beside the one that `armtwin trial draw` uses, for
+`armtwin trial draw --from OUT --names OUT/names.toml --mass-error 0 --out DIR`. Nothing but the URDF is
+shared: MuJoCo's implicit integrator at half a millisecond, dry friction as a constraint, computed torque
+with PD and a friction feed-forward that is off, every effect written here from its law. Per case two
+recordings at 125 Hz with RTDE columns (`identification.csv.gz`, `validation.csv.gz`) and `truth.json`;
+`twin.toml` is the nominal twin of all.
 
 The elastic and the lost-motion joint are two hinges in series, motor and deflection; what is recorded
 is the motor's angle. A tree of cases is repeatable: case K of seed S is the same in any run.
 """
 
+import argparse
 import gzip
 import json
 import multiprocessing
@@ -22,7 +24,7 @@ import numpy as np
 
 STEP = 0.5e-3
 SAMPLE = 16  # steps
-DURATION = 48.0
+COLD = 24.0  # degrees Celsius, where a recording begins
 HOME = np.array([-0.13, -1.5, 1.15, -1.28, -1.42, 0.24])
 GEAR = 101.0
 TORQUE_CONSTANT = np.array([0.135, 0.136, 0.135, 0.095, 0.086, 0.089])
@@ -91,8 +93,6 @@ def draw(effect, joint, rng):
             return {"stiffness": u(1, 8) * big, "rest": HOME[joint] + u(-0.6, 0.6)}
         case "joint_coupling":
             return {"per_speed": either(rng, u(1, 4)) * big}
-        case "saturation":
-            return {"share": u(0.6, 0.85)}
         case "slosh":
             return {"mass": u(0.4, 1.2), "length": u(0.08, 0.25), "damping": 0.004, "start": u(-0.5, 0.5)}
         case "sticky_angle":
@@ -171,9 +171,9 @@ def arm(effect, joint, values, friction, viscous):
     return model, q, v
 
 
-def command(rng):
-    """Target angle, speed and acceleration: harmonics of 48 s, rising after 1.2 s at rest."""
-    t = np.arange(0, DURATION, STEP)
+def command(duration, rng):
+    """Target angle, speed and acceleration: harmonics of the duration, rising after 1.2 s at rest."""
+    t = np.arange(0, duration, STEP)
     rise = np.clip((t - 1.2) / 2, 0, 1)
     window = rise**3 * (10 - 15 * rise + 6 * rise**2)
     reach = np.array([0.55, 0.4, 0.4, 0.4, 0.5, 0.6])
@@ -181,7 +181,7 @@ def command(rng):
     for j in range(6):
         k = rng.choice(np.arange(2, 23), 8, replace=False)
         a, phase = rng.normal(size=8) / k**0.7, rng.uniform(0, 2 * np.pi, 8)
-        wave = np.sin(2 * np.pi * np.outer(t, k) / DURATION + phase) @ a
+        wave = np.sin(2 * np.pi * np.outer(t, k) / duration + phase) @ a
         wave -= wave[0]
         q[:, j] = wave * reach[j] / np.abs(wave).max()
     q = HOME + window[:, None] * q
@@ -189,15 +189,76 @@ def command(rng):
     return q, qd, np.gradient(qd, STEP, axis=0)
 
 
-def run(effect, joint, values, base, rng):
+class Disturbance:
+    """What an effect does to a moving arm beside its mechanism: torque on its joints and dry friction, by its law."""
+
+    def __init__(self, effect, joint, values, friction):
+        self.effect, self.joint, self.values, self.friction = effect, joint, values, friction
+        self.deflection = 0.0
+
+    def at(self, t, q, v, load, warm):
+        """Torque added to the arm, N.m, and dry friction, N.m, per joint. `load` is the joints' rigid torque
+        at rest and in motion, N.m, `warm` their kelvins above the start."""
+        extra, loss = np.zeros(6), self.friction.copy()
+        j, values = self.joint, self.values
+        match self.effect:
+            case "stribeck":
+                loss[j] += values["extra"] * np.exp(-((v[j] / values["speed"]) ** 2))
+            case "viscous_quadratic":
+                extra[j] = -values["value"] * v[j] * abs(v[j])
+            case "viscous_cubic":
+                extra[j] = -values["value"] * v[j] ** 3
+            case "coulomb_asymmetry":
+                loss[j] += np.sign(v[j]) * values["coulomb"] / 2
+                extra[j] = -values["viscous"] * max(v[j], 0)
+            case "load_friction":
+                loss[j] += values["per_nm"] * abs(load[j])
+            case "temperature_friction":
+                loss[j] = max(0.0, loss[j] + values["coulomb"] * warm[j])
+                extra[j] = -values["viscous"] * warm[j] * v[j]
+            case "presliding":  # Dahl's
+                self.deflection += STEP * v[j] * (1 - np.sign(v[j]) * self.deflection) / values["width"]
+                loss[j], extra[j] = 0, -loss[j] * self.deflection
+            case "torque_ripple":
+                extra[j] = -values["amplitude"] * np.sin(values["cycles"] * q[j] + values["phase"])
+            case "cable_spring":
+                extra[j] = -values["stiffness"] * (q[j] - values["rest"])
+            case "joint_coupling":
+                extra[j] = -values["per_speed"] * v[j - 1]
+            case "sticky_angle":
+                loss[j] += values["extra"] * np.exp(-(((q[j] - values["angle"]) / values["width"]) ** 2))
+            case "wandering_friction":
+                phase = 2 * np.pi * t / values["period"] + values["wander"] + np.sin(0.37 * t)
+                loss[j] *= 1 + values["share"] * np.sin(phase)
+        return extra, loss
+
+    def force(self, t):
+        """At the flange, N."""
+        if self.effect != "contact":
+            return np.zeros(3)
+        touching = 0 <= t - self.values["start"] < self.values["duration"]
+        return np.array(self.values["force"]) * touching
+
+
+def recorded(effect, joint, values, tau):
+    """Motor torque as the drive's current tells it, N.m."""
+    tau = tau.copy()
+    if effect == "current_offset":
+        tau[joint] += values["torque"]
+    if effect == "torque_constant":
+        tau[joint] /= 1 + values["change"]
+    return tau
+
+
+def run(effect, joint, values, base, duration, rng):
     """One motion of the arm: what is recorded before noise, at 125 Hz, and its gap to the best nominal twin."""
     friction, viscous = np.array(base["coulomb"]), np.array(base["viscous"])
     model, qa, va = arm(effect, joint, values, friction, viscous)
     data = mujoco.MjData(model)
     nominal, nq, nv = arm("none", None, {}, friction * 0, viscous * 0)
     rigid = mujoco.MjData(nominal)
-    target, speed, acceleration = command(rng)
-    off = np.ones(6) if base["exact"] else rng.uniform(0.8, 1.2, 6)
+    target, speed, acceleration = command(duration, rng)
+    off = rng.uniform(0.8, 1.2, 6)
     offset = np.zeros(6)
     if effect == "joint_offset":
         offset[joint] = values["radians"]
@@ -205,10 +266,9 @@ def run(effect, joint, values, base, rng):
     if effect == "slosh":
         data.qpos[-1] = values["start"]
     heat, pace = rng.uniform(5, 20, 6), rng.uniform(15, 30, 6)
+    disturbance = Disturbance(effect, joint, values | {"wander": rng.uniform(0, 6.28)}, friction)
     flange = model.body(model.jnt_bodyid[model.dof_jntid[va[5]]]).id
-    z, limit = 0.0, np.inf
-    rows, wander = [], rng.uniform(0, 6.28)
-    lagged = np.zeros(6)
+    rows, lagged = [], np.zeros(6)
     mass = np.zeros((nominal.nv, nominal.nv))
     for i in range(len(target)):
         t = i * STEP
@@ -218,55 +278,15 @@ def run(effect, joint, values, base, rng):
         mujoco.mj_fullM(nominal, rigid, mass)
         pull = acceleration[i] + 40 * (speed[i] - v) + 500 * (target[i] - q)
         tau = mass @ pull + rigid.qfrc_bias + off * (friction * np.tanh(speed[i] / 0.03) + viscous * speed[i])
-        temperature = 24 + heat * (1 - np.exp(-t / pace))
-        extra = np.zeros(6)  # acts on the arm
-        loss = friction.copy()
-        match effect:
-            case "stribeck":
-                loss[joint] += values["extra"] * np.exp(-((v[joint] / values["speed"]) ** 2))
-            case "viscous_quadratic":
-                extra[joint] = -values["value"] * v[joint] * abs(v[joint])
-            case "viscous_cubic":
-                extra[joint] = -values["value"] * v[joint] ** 3
-            case "coulomb_asymmetry":
-                side = np.sign(v[joint])
-                loss[joint] += side * values["coulomb"] / 2
-                extra[joint] = -values["viscous"] * max(v[joint], 0)
-            case "load_friction":
-                loss[joint] += values["per_nm"] * abs(rigid.qfrc_bias[joint])
-            case "temperature_friction":
-                warm = temperature[joint] - 24
-                loss[joint] = max(0.0, friction[joint] + values["coulomb"] * warm)
-                extra[joint] = -values["viscous"] * warm * v[joint]
-            case "presliding":
-                z += STEP * v[joint] * (1 - np.sign(v[joint]) * z) / values["width"]
-                loss[joint] = 0
-                extra[joint] = -friction[joint] * z
-            case "torque_ripple":
-                extra[joint] = -values["amplitude"] * np.sin(values["cycles"] * q[joint] + values["phase"])
-            case "cable_spring":
-                extra[joint] = -values["stiffness"] * (q[joint] - values["rest"])
-            case "joint_coupling":
-                extra[joint] = -values["per_speed"] * v[joint - 1]
-            case "sticky_angle":
-                loss[joint] += values["extra"] * np.exp(-(((q[joint] - values["angle"]) / values["width"]) ** 2))
-            case "wandering_friction":
-                loss[joint] *= 1 + values["share"] * np.sin(2 * np.pi * t / values["period"] + wander + np.sin(0.37 * t))
-            case "contact":
-                data.xfrc_applied[flange, :3] = 0
-                if values["start"] <= t < values["start"] + values["duration"]:
-                    data.xfrc_applied[flange, :3] = values["force"]
-        model.dof_frictionloss[va] = loss
+        warm = heat * (1 - np.exp(-t / pace))
+        extra, model.dof_frictionloss[va] = disturbance.at(t, q, v, rigid.qfrc_bias, warm)
+        data.xfrc_applied[flange, :3] = disturbance.force(t)
         data.qfrc_applied[va] = tau + extra
         if i % SAMPLE == 0:
             mujoco.mj_forward(model, data)
-            recorded = tau.copy()
-            if effect == "current_offset":
-                recorded[joint] += values["torque"]
-            if effect == "torque_constant":
-                recorded[joint] /= 1 + values["change"]
             seen = lagged.copy() if effect == "velocity_lag" else v
-            rows.append((t, target[i], speed[i], acceleration[i], q, v, seen, recorded, temperature, data.qacc[va].copy()))
+            current = recorded(effect, joint, values, tau)
+            rows.append((t, target[i], speed[i], acceleration[i], q, v, seen, current, COLD + warm, data.qacc[va].copy()))
         if effect == "velocity_lag":
             lagged += STEP * (v - lagged) / values["seconds"]
         mujoco.mj_step(model, data)
@@ -310,7 +330,7 @@ def write(path, r, snr, rng):
 
 
 def case(job):
-    out, number, seed = job
+    out, duration, seed, number = job
     folder = os.path.join(out, f"case-{number:03}")
     rng = np.random.default_rng([seed, number])
     names = list(EFFECTS)
@@ -319,10 +339,10 @@ def case(job):
         joint = rng.choice(np.array(EFFECTS[effect], dtype=object))
         values = draw(effect, joint, rng)
         base = {"coulomb": list(rng.uniform([3, 3, 3, 1, 0.6, 0.6], [9, 9, 9, 2.5, 2, 2])),
-                "viscous": list(rng.uniform([4, 4, 4, 1, 0.6, 0.6], [14, 14, 14, 3, 2, 2])), "exact": False}
+                "viscous": list(rng.uniform([4, 4, 4, 1, 0.6, 0.6], [14, 14, 14, 3, 2, 2]))}
         snr = rng.uniform(24, 34)
         try:
-            (fit, gap_fit), (check, gap_check) = (run(effect, joint, values, base, rng) for _ in range(2))
+            (fit, gap_fit), (check, gap_check) = (run(effect, joint, values, base, duration, rng) for _ in range(2))
         except RuntimeError:
             continue
         noise = np.sqrt(np.mean(fit["tau"] ** 2, 0)) * 10 ** (-snr / 20)
@@ -347,16 +367,26 @@ link_mass = "link_inertia"
 """
 
 
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("out", help="folder for the cases")
+    parser.add_argument("--cases", type=int, default=26, help="how many; every 26 hold each effect once [%(default)s]")
+    parser.add_argument("--only", type=int, nargs="+", help="the numbers of the cases, from 0")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--duration", type=float, default=48.0, help="of a recording, s [%(default)s]")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="cases at a time [%(default)s]")
+    return parser.parse_args()
+
+
 def main():
-    out, cases, seed = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 26, int(sys.argv[3]) if len(sys.argv) > 3 else 1
-    os.makedirs(out, exist_ok=True)
-    with open(os.path.join(out, "twin.toml"), "w") as f:
-        f.write(TWIN)
-    with open(os.path.join(out, "names.toml"), "w") as f:
-        f.write(NAMES)
-    only = [int(k) for k in sys.argv[4:]] or range(cases)
-    with multiprocessing.Pool(int(os.environ.get("WORKERS", "4"))) as pool:
-        for t in pool.imap_unordered(case, [(out, k, seed) for k in only]):
+    given = arguments()
+    os.makedirs(given.out, exist_ok=True)
+    for name, text in (("twin.toml", TWIN), ("names.toml", NAMES)):
+        with open(os.path.join(given.out, name), "w") as f:
+            f.write(text)
+    jobs = [(given.out, given.duration, given.seed, k) for k in given.only or range(given.cases)]
+    with multiprocessing.Pool(given.jobs) as pool:
+        for t in pool.imap_unordered(case, jobs):
             print(t["case"], t["effect"], t["joints"], f"{max(t['gap_over_noise']['identification']):.2f}", flush=True)
 
 

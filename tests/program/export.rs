@@ -1,13 +1,13 @@
 //! `armtwin export`: what MuJoCo makes of it.
 
 use std::path::Path;
-use std::process::Command;
 
 use armtwin::effects::Motion;
 use armtwin::series::JointSeries;
 use armtwin::twin::Twin;
 
 use crate::armtwin;
+use crate::mujoco::script;
 
 const TWIN: &str = "robot = \"ur5\"
 [drive]
@@ -37,17 +37,6 @@ current_offset = [0.5, -1, 0, 0.2, 0, 0]
 ";
 const DT: f64 = 2.5e-4;
 const SECONDS: f64 = 2.0;
-
-/// A Python with MuJoCo: $ARMTWIN_PYTHON, or the one on the path.
-fn python() -> Option<String> {
-    let python = std::env::var("ARMTWIN_PYTHON").unwrap_or("python3".into());
-    let found = Command::new(&python).args(["-c", "import mujoco, numpy"]).output();
-    let found = found.is_ok_and(|o| o.status.success());
-    if !found {
-        eprintln!("skipped: {python} has no mujoco (pip install mujoco, or set ARMTWIN_PYTHON)");
-    }
-    found.then_some(python)
-}
 
 /// Rows of (q, qd, qdd), and A per row that they take.
 fn currents(twin: &Twin, rows: &[[Vec<f64>; 3]]) -> Vec<Vec<f64>> {
@@ -101,7 +90,6 @@ fn numbers(twin: &Twin) -> serde_json::Value {
 /// is driven by our current without any feedback.
 #[test]
 fn mujoco_agrees_with_the_twin() {
-    let Some(python) = python() else { return };
     let folder = tempfile::tempdir().unwrap();
     let [twin, arm, json] = ["twin.toml", "arm.xml", "n.json"].map(|n| folder.path().join(n));
     std::fs::write(&twin, TWIN).unwrap();
@@ -109,9 +97,7 @@ fn mujoco_agrees_with_the_twin() {
     let out = armtwin(&["export", "--twin", &path(&twin), "--format", "mjcf", "-o", &path(&arm)]);
     assert_eq!(out.code, 0, "{}", out.stderr);
     std::fs::write(&json, numbers(&Twin::load(&twin).unwrap()).to_string()).unwrap();
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mujoco/hold.py");
-    let run = Command::new(python).arg(script).arg(&arm).arg(&json).output().unwrap();
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let Some(run) = script("hold.py", &[&path(&arm), &path(&json)]) else { return };
     let found: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
     println!("{found}");
     let largest = |key: &str| {

@@ -16,6 +16,7 @@ mod live;
 mod located;
 mod mcmc;
 mod motor;
+mod mujoco;
 #[cfg(feature = "viewer")]
 mod picture;
 mod readme;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
+use super::mujoco::script;
 use super::{Output, armtwin};
 
 fn trial(arguments: &[&str]) -> Output {
@@ -154,6 +155,32 @@ fn cases_made_elsewhere_are_taken_and_unknown_effects_refused() {
 }
 
 #[test]
+fn a_payload_in_mujoco_is_told() {
+    let folder = TempDir::new().unwrap();
+    let [made, cases, answers] = ["made", "cases", "answers"].map(|n| folder.path().join(n));
+    let few = ["--only", "12", "--duration", "24"];
+    if script("cases.py", &[&[text(&made)], &few[..]].concat()).is_none() {
+        return;
+    }
+    let names = made.join("names.toml");
+    let known = ["--names", text(&names), "--mass-error", "0"];
+    let run =
+        trial(&[&["draw", "--from", text(&made), "--out", text(&cases)], &known[..]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    answer(&cases, &answers);
+    let told = fs::read_to_string(answers.join("case-012.json")).unwrap();
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let cause = &told["diagnosis"]["causes"][0];
+    assert_eq!(cause["effect"], "payload", "{}", told["diagnosis"]["ranking"]);
+    let truth = fs::read_to_string(made.join("case-012/truth.json")).unwrap();
+    let truth: serde_json::Value = serde_json::from_str(&truth).unwrap();
+    let hidden = truth["parameters"]["mass"].as_f64().unwrap();
+    let told = cause["parameters"][0]["value"].as_f64().unwrap();
+    // 0.6 % measured.
+    assert!((told / hidden - 1.0).abs() < 0.02, "{told} kg for {hidden} kg");
+}
+
+#[test]
 fn wrong_usage_is_refused() {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("out");
@@ -161,5 +188,9 @@ fn wrong_usage_is_refused() {
     assert!(run.code == 1 && run.stderr.contains("paylod"), "{}", run.stderr);
     let run = trial(&["answer", text(folder.path()), "--out", text(&out)]);
     assert!(run.code == 1 && run.stderr.contains("holds no cases"), "{}", run.stderr);
+    fs::create_dir_all(folder.path().join("elsewhere/case-1")).unwrap();
+    let elsewhere = folder.path().join("elsewhere");
+    let run = trial(&["answer", text(&elsewhere), "--out", text(&out)]);
+    assert!(run.code == 1 && run.stderr.contains("--from"), "{}", run.stderr);
     assert_eq!(trial(&["score", "one"]).code, 2);
 }

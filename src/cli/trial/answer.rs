@@ -57,7 +57,13 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some((case, why)) = done.iter().find_map(|d| Some((&d.case, d.failed.as_ref()?))) {
         println!("first failure: {case}: {why}");
     }
-    Ok(())
+    match count(|d| d.unreadable) {
+        0 => Ok(()),
+        n => anyhow::bail!(
+            "{n} of {} cases cannot be read; folders made elsewhere are taken by `armtwin trial draw --from`",
+            done.len()
+        ),
+    }
 }
 
 #[derive(serde::Serialize)]
@@ -65,21 +71,23 @@ struct Done {
     case: String,
     kept: bool,
     failed: Option<String>,
+    /// Failed for want of a readable case: not an answer.
+    unreadable: bool,
 }
 
 fn answered(folder: &Path, out: &Path, again: bool) -> anyhow::Result<Done> {
     let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let file = out.join(format!("{name}.json"));
     if !again && Answer::kept(&file, folder).is_some() {
-        return Ok(Done { case: name, kept: true, failed: None });
+        return Ok(Done { case: name, kept: true, failed: None, unreadable: false });
     }
     // One case that cannot be read is no reason to leave the others.
-    let failed = match answer(folder) {
+    let (failed, unreadable) = match answer(folder) {
         Ok(answer) => {
             write_json(&file, &answer)?;
-            answer.failed
+            (answer.failed, false)
         }
-        Err(unreadable) => Some(format!("{unreadable:#}")),
+        Err(why) => (Some(format!("{why:#}")), true),
     };
-    Ok(Done { case: name, kept: false, failed })
+    Ok(Done { case: name, kept: false, failed, unreadable })
 }
