@@ -143,6 +143,16 @@ impl Candidate {
         self.effect.about().name
     }
 
+    /// Of parameter `i`, as a change of what the drive has of it.
+    pub fn range(&self, i: usize, twin: &Twin) -> [f64; 2] {
+        let parameter = &self.effect.about().parameters[i];
+        let has = match self.place {
+            Place::Joint(j) if i == 0 => self.effect.in_drive(&twin.drive, j),
+            _ => 0.0,
+        };
+        [parameter.min - has, parameter.max - has]
+    }
+
     pub fn linear(&self) -> usize {
         self.effect.about().parameters.iter().filter(|p| p.role == Role::Linear).count()
     }

@@ -40,16 +40,17 @@ pub fn values(fit: &Fit<'_, '_>, check: &Evidence<'_>, left: &Blocks) -> Vec<Vec
         let value = |(k, (p, value)): (usize, (&crate::effects::Parameter, f64))| {
             let half = places[i][k].map_or(0.0, |column| wide * variance(column).sqrt());
             let half = half.max(resolution(fit, i, k));
-            let near = 1e-3 * (p.max - p.min).min(1e6);
+            let [min, max] = candidate.range(k, fit.evidence.twin);
+            let near = 1e-3 * (max - min).min(1e6);
             Value {
                 name: p.name.into(),
                 unit: p.unit.into(),
                 value,
-                low: (value - half).max(p.min),
-                high: (value + half).min(p.max),
+                low: (value - half).max(min),
+                high: (value + half).min(max),
                 at_bound: places[i][k].is_some()
                     && value != p.null
-                    && (value <= p.min || value >= p.max - near),
+                    && (value <= min || value >= max - near),
             }
         };
         let own = parameters.filter(|(_, (p, _))| !p.is_reference());

@@ -47,13 +47,13 @@ fn add(twin: &mut Twin, cause: &Cause) {
         _ if cause.joints.is_empty() => (0..dof).collect(),
         _ => cause.joints.iter().map(|j| j - 1).filter(|j| *j < dof).collect(),
     };
-    let is_rotor = about.name == "rotor_inertia";
     // References follow from the other values where they are not given.
     for p in about.parameters.iter().filter(|p| !p.is_reference()) {
-        let values = twin.values.entry(p.name.into()).or_insert_with(|| match is_rotor {
-            true => twin.drive.rotor_inertia.clone(),
-            false => vec![absent(p); count],
-        });
+        let is_first = p.name == about.parameters[0].name;
+        let has = |j: usize| if is_first { effect.in_drive(&twin.drive, j) } else { 0.0 };
+        let without = |j: usize| has(j) + absent(p);
+        let values = twin.values.entry(p.name.into());
+        let values = values.or_insert_with(|| (0..count).map(without).collect());
         let of_cause = |v: &&Value| v.name == p.name && v.value.is_finite();
         let Some(found) = cause.parameters.iter().find(of_cause) else { continue };
         let places = values.iter_mut().enumerate().filter(|(j, _)| at.contains(j));
@@ -125,6 +125,7 @@ mod tests {
             cause("stribeck", &[2], &[("stribeck_excess", 4.0), ("stribeck_velocity", 0.03)]),
             cause("payload", &[], &[("payload_mass", 2.0), ("payload_moment_z", 0.14)]),
             cause("rotor_inertia", &[3], &[("rotor_inertia", 0.2)]),
+            cause("rotor_inertia", &[5], &[("rotor_inertia", -0.4)]),
         ];
         let mut twin = Twin::default();
         twin.drive.rotor_inertia = vec![1.0; 6];
@@ -133,7 +134,7 @@ mod tests {
         assert_eq!(mended.values["stribeck_velocity"][1], 0.03);
         assert_eq!(mended.values["payload_mass"], [2.0]);
         assert_eq!(mended.values["payload_moment_x"], [0.0]);
-        assert_eq!(mended.drive.rotor_inertia, [1.0, 1.0, 1.2, 1.0, 1.0, 1.0]);
+        assert_eq!(mended.drive.rotor_inertia, [1.0, 1.0, 1.2, 1.0, 0.6, 1.0]);
         assert_eq!(mended.values["coulomb"][5], 0.0, "friction does not push");
         assert_eq!(mended.open().count(), 0);
         let again = Twin::parse(&mended.to_toml(), Path::new("twin.toml")).unwrap();

@@ -40,7 +40,7 @@ fn step(fit: &Fit, best: &Trial, free: &[usize]) -> Option<Trial> {
     let mut columns = fit.columns(best.candidate, &best.nonlinear);
     columns.extend(free.iter().zip(&ends).map(|(&i, ends)| slope(fit, best, i, *ends)));
     let projected = fit.system.project(&columns);
-    let (x, _) = projected.solve(&projected.pull, &bounds(best, free, &ends)?);
+    let (x, _) = projected.solve(&projected.pull, &bounds(fit, best, free, &ends)?);
     let change = &x.as_slice()[best.linear.len()..];
     let moved = |share: f64| {
         let mut nonlinear = best.nonlinear.clone();
@@ -71,8 +71,8 @@ fn slope(fit: &Fit, best: &Trial, i: usize, [below, above]: [f64; 2]) -> Blocks 
 }
 
 /// Of the linear parameters, and of the changes of the nonlinear ones.
-fn bounds(best: &Trial, free: &[usize], ends: &[[f64; 2]]) -> Option<Bounds> {
-    let linear = linear_bounds(best.candidate);
+fn bounds(fit: &Fit, best: &Trial, free: &[usize], ends: &[[f64; 2]]) -> Option<Bounds> {
+    let linear = linear_bounds(best.candidate, fit.evidence.twin);
     let own = 0..best.linear.len();
     let change = |end: usize| free.iter().zip(ends).map(move |(&i, e)| e[end] - best.nonlinear[i]);
     let lower = own.clone().map(|i| linear.lower(i)).chain(change(0)).collect();

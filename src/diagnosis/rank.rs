@@ -212,8 +212,9 @@ pub fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
         return candidate.effect.about().parameters.first().map(|p| p.name);
     }
     let reached = |(i, (p, v)): (usize, (&crate::effects::Parameter, &f64))| {
-        let near = 1e-3 * (p.max - p.min);
-        let at_end = *v <= p.min + 1e-3 * p.min.abs() || *v >= p.max - near;
+        let [min, max] = candidate.range(i, fit.evidence.twin);
+        let near = 1e-3 * (max - min);
+        let at_end = *v <= min + 1e-3 * min.abs() || *v >= max - near;
         let at = match p.role {
             Role::Linear => !held[i] && at_end && *v != p.null,
             Role::Nonlinear => {

@@ -10,8 +10,8 @@ use super::candidate::{Candidate, Term};
 use super::columns::Blocks;
 use super::model::{Fit, Model};
 use super::newton::descend;
-use crate::effects::{Parameter, Role};
 use crate::identification::{bounds::Bounds, brent};
+use crate::twin::Twin;
 
 /// Rounds of refining one nonlinear parameter after the other.
 const ROUNDS: usize = 5;
@@ -111,17 +111,15 @@ fn best_start(fit: &Fit, candidate: Candidate, surrogates: &[Blocks]) -> (Trial,
 }
 
 /// Bounds of the linear parameters.
-pub fn linear_bounds(candidate: Candidate) -> Bounds {
-    let linear: Vec<&Parameter> =
-        candidate.effect.about().parameters.iter().filter(|p| p.role == Role::Linear).collect();
-    let lower = linear.iter().map(|p| p.min).collect();
-    let upper = linear.iter().map(|p| p.max).collect();
-    Bounds::new(lower, upper).unwrap_or_else(|_| Bounds::unbounded(linear.len()))
+pub fn linear_bounds(candidate: Candidate, twin: &Twin) -> Bounds {
+    let ranges = (0..candidate.linear()).map(|i| candidate.range(i, twin));
+    let (lower, upper) = ranges.map(|[min, max]| (min, max)).unzip();
+    Bounds::new(lower, upper).unwrap_or_else(|_| Bounds::unbounded(candidate.linear()))
 }
 
 fn with_columns(fit: &Fit, at: Trial, surrogates: &[Blocks], largest: &mut [f64]) -> Trial {
     let columns = fit.columns(at.candidate, &at.nonlinear);
-    let bounds = linear_bounds(at.candidate);
+    let bounds = linear_bounds(at.candidate, fit.evidence.twin);
     let projected = fit.system.project(&columns);
     let (linear, gain) = projected.solve(&projected.pull, &bounds);
     let most = most(fit, &columns);
@@ -312,4 +310,33 @@ fn line(fit: &Fit, best: Trial, i: usize, ends: [f64; 2], at: impl Fn(f64) -> Ve
 /// The trial's candidate as one more cause of the model, everything fitted again.
 pub fn adopt<'a, 'e>(fit: &Fit<'a, 'e>, model: &Model, trial: &Trial) -> Fit<'a, 'e> {
     Fit::new(fit.evidence, model.with(trial.term()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::candidate::Place;
+    use crate::diagnosis::evidence::Evidence;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::testing::samples;
+    use crate::effects::find;
+
+    /// The drive's rotor may be lighter than the twin's; it cannot be lighter than none.
+    #[test]
+    fn a_rotor_can_lose_what_the_drive_has_of_it() {
+        let (has, lost) = (1.0, -0.4);
+        let mut twin = Twin::default();
+        twin.drive.rotor_inertia = vec![has + lost; 6];
+        let mut made = samples(6, 2000, |j, t| 0.6 * ((0.9 + 0.2 * j as f64) * t).sin());
+        made.torque = twin.torque(&twin.motion(&made));
+        twin.drive.rotor_inertia[3] = has;
+        let floor = noise_floor(&made, &twin);
+        let evidence = Evidence::new(&twin, &made, &floor).unwrap();
+        let fit = Fit::new(&evidence, Model::of(&twin));
+        let effect = find("rotor_inertia").unwrap();
+        let candidate = Candidate { effect, place: Place::Joint(3) };
+        let (found, _) = screen(&fit, &[candidate], &[]).remove(0);
+        assert!((found.linear[0] - lost).abs() < 1e-6, "{:?}", found.linear);
+        assert_eq!(linear_bounds(candidate, &twin).lower(0), -has);
+    }
 }

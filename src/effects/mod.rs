@@ -54,7 +54,7 @@ pub use motion::Motion;
 pub use rigid::{Rigid, Slopes};
 pub use state::{ArmState, JointLoad, JointState};
 
-use crate::robot::Robot;
+use crate::robot::{Drive, Robot};
 use crate::series::JointSeries;
 
 /// The values of all parameters of an effect, each from `given` by name; references that are not
@@ -237,6 +237,12 @@ pub trait Effect: Sync {
     /// deviations; empty where nothing is known beforehand.
     fn expected(&self, _robot: &Robot, _joint: usize) -> Vec<f64> {
         Vec::new()
+    }
+
+    /// Explain: how much of the first parameter the drive is known to have at `joint`; a cause is a
+    /// change of it, and may take it away.
+    fn in_drive(&self, _drive: &Drive, _joint: usize) -> f64 {
+        0.0
     }
 
     /// Explain: undoes on one joint's conditioned channels what [`measure`](Effect::measure) did

@@ -1,6 +1,7 @@
 //! Rotor inertia as seen at the joint: tau = Ja qdd, Ja = N^2 J_motor.
 
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope};
+use crate::robot::Drive;
 
 pub struct RotorInertia;
 
@@ -30,6 +31,10 @@ impl Effect for RotorInertia {
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {
         vec![motion.qdd.joint(joint).to_vec()]
+    }
+
+    fn in_drive(&self, drive: &Drive, joint: usize) -> f64 {
+        drive.rotor_inertia[joint]
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
