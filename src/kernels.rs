@@ -111,12 +111,18 @@ pub fn add_squares_about_quartic(
     }
 }
 
-/// sign(speed) exp(-|speed| / scale), the Stribeck column of the paper's Eq. 1; zero at rest.
+/// sign(speed) exp(-|speed / scale|^exponent), the Stribeck column (exponent 1: the paper's Eq. 1);
+/// zero at rest.
 #[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2", "aarch64+neon"))]
-pub fn stribeck(speed: &[f64], scale: f64, out: &mut [f64]) {
-    let rate = -1.0 / scale;
+pub fn stribeck(speed: &[f64], scale: f64, exponent: f64, out: &mut [f64]) {
+    let rate = 1.0 / scale;
+    out.iter_mut().zip(speed).for_each(|(o, w)| *o = w.abs() * rate);
+    // A power does not vectorise, and hardly anybody asks for one here.
+    if exponent != 1.0 {
+        out.iter_mut().for_each(|o| *o = o.powf(exponent));
+    }
     for (o, &w) in out.iter_mut().zip(speed) {
-        let e = exp_of_negative(w.abs() * rate);
+        let e = exp_of_negative(-*o);
         *o = if w == 0.0 { 0.0 } else { e.copysign(w) };
     }
 }
@@ -220,9 +226,12 @@ mod tests {
     #[test]
     fn the_stribeck_column_is_odd_in_speed_and_zero_at_rest() {
         let mut out = [9.0; 3];
-        stribeck(&[-0.1, 0.0, 0.1], 0.1, &mut out);
+        stribeck(&[-0.1, 0.0, 0.1], 0.1, 1.0, &mut out);
         assert!((out[2] - (-1.0f64).exp()).abs() < 1e-15);
         assert_eq!(out[1], 0.0);
         assert_eq!(out[0], -out[2]);
+        stribeck(&[-0.1, 0.0, 0.2], 0.1, 2.0, &mut out);
+        assert!((out[2] - (-4.0f64).exp()).abs() < 1e-15);
+        assert_eq!(out[1], 0.0);
     }
 }

@@ -67,8 +67,7 @@ pub fn complete(
     given: impl Fn(&'static str) -> Option<f64>,
 ) -> Result<Vec<f64>, &'static Parameter> {
     let parameters = effect.about().parameters;
-    let value =
-        |p: &'static Parameter| given(p.name).or(p.is_reference().then_some(p.typical)).ok_or(p);
+    let value = |p: &'static Parameter| given(p.name).or(p.left_out()).ok_or(p);
     let mut values = parameters.iter().map(value).collect::<Result<Vec<f64>, _>>()?;
     let linear = parameters.iter().filter(|p| p.role == Role::Linear).count();
     let (linear, nonlinear) = values.split_at_mut(linear);
@@ -98,9 +97,15 @@ pub struct Parameter {
 
 impl Parameter {
     /// Where columns are worked out, not what the arm is like: follows from the linear parameters
-    /// ([`Effect::settle`]) and may be left out of files.
+    /// ([`Effect::settle`]).
     pub fn is_reference(&self) -> bool {
         self.name.ends_with("_reference")
+    }
+
+    /// The value where a file leaves it out: references and the shapes of curves may be.
+    pub fn left_out(&self) -> Option<f64> {
+        let may = self.is_reference() || self.name.ends_with("_exponent");
+        may.then_some(self.typical)
     }
 
     /// The nearest value within the bounds.

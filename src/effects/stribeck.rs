@@ -1,4 +1,6 @@
-//! Stribeck curve: tau = (Fs - Fc) sign(qd) exp(-|qd / qd_s|), on top of Coulomb friction.
+//! Stribeck curve: tau = (Fs - Fc) sign(qd) exp(-|qd / qd_s|^a), on top of Coulomb friction.
+//!
+//! Exponents in use: 1 (Tustin, the paper) and 2 (a Gaussian, Armstrong).
 
 use super::coulomb::sign;
 use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
@@ -9,7 +11,7 @@ impl Effect for Stribeck {
     fn about(&self) -> &'static About {
         &About {
             name: "stribeck",
-            law: "tau = (Fs - Fc) sign(qd) exp(-|qd / qd_s|)",
+            law: "tau = (Fs - Fc) sign(qd) exp(-|qd / qd_s|^a)",
             scope: Scope::Joint,
             parameters: &[
                 Parameter {
@@ -32,26 +34,42 @@ impl Effect for Stribeck {
                     null: f64::NAN,
                     role: Role::Nonlinear,
                 },
+                Parameter {
+                    name: "stribeck_exponent",
+                    symbol: "a",
+                    unit: "-",
+                    min: 1.0,
+                    max: 2.0,
+                    typical: 1.0,
+                    null: f64::NAN,
+                    role: Role::Nonlinear,
+                },
             ],
             memory: 0,
             dissipates: true,
             cause: "lubricant film that builds up with speed: static friction exceeds Coulomb",
             remedy: "make the dry level depend on speed; no common simulator format holds it",
-            source: "Armstrong-Helouvry et al., Automatica 30(7), 1994; the paper's Eq. 1",
+            source: "Armstrong-Helouvry et al., Automatica 30(7), 1994, section 2.1.4; a = 1: the paper's Eq. 1",
         }
     }
 
     fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
-        starts::spread_over(self.about().parameters, 0.01, 0.3)
+        let velocity = starts::between(0.01, 0.3, 7);
+        let axes = [("stribeck_velocity", velocity), ("stribeck_exponent", vec![1.0, 2.0])];
+        starts::grid(self.about().parameters, &axes)
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
-        let qd_s = nonlinear[0];
-        let column = |&qd: &f64| sign(qd) * (-(qd / qd_s).abs()).exp();
+        let column = |&qd: &f64| sign(qd) * share(qd, nonlinear[0], nonlinear[1]);
         vec![motion.qd.joint(joint).iter().map(column).collect()]
     }
 
     fn act(&self, values: &[f64], state: &JointState, _: &mut [f64], load: &mut JointLoad) {
-        load.dry += values[0] * (-(state.qd / values[1]).abs()).exp();
+        load.dry += values[0] * share(state.qd, values[1], values[2]);
     }
+}
+
+/// exp(-|qd / qd_s|^a)
+fn share(qd: f64, qd_s: f64, exponent: f64) -> f64 {
+    (-(qd / qd_s).abs().powf(exponent)).exp()
 }

@@ -240,7 +240,7 @@ impl Assembly<'_> {
         Ok(JointProblem {
             joint: joint + 1,
             columns,
-            curve: self.curve(qd, sign, reduce),
+            curve: self.curve(joint, qd, sign, reduce),
             speed: rows.take(qd).iter().map(|w| w.abs()).collect(),
             slots: rows.slots.clone(),
             dt: self.samples.dt * rows.decimation as f64,
@@ -363,11 +363,9 @@ impl Assembly<'_> {
         let at = if about.scope == Scope::Arm { 0 } else { joint };
         let given = |p: &effects::Parameter| {
             let value = self.twin.values.get(p.name).and_then(|v| v.get(at)).copied();
-            value.or(p.is_reference().then_some(p.typical)).ok_or_else(|| {
-                IdentificationError::Nonlinear {
-                    effect: about.name.into(),
-                    parameter: p.name.into(),
-                }
+            value.or(p.left_out()).ok_or_else(|| IdentificationError::Nonlinear {
+                effect: about.name.into(),
+                parameter: p.name.into(),
             })
         };
         about.parameters.iter().filter(|p| p.role == Role::Nonlinear).map(given).collect()
@@ -378,9 +376,12 @@ impl Assembly<'_> {
         self.terms.contains("stribeck") && !self.gives("stribeck_velocity")
     }
 
-    fn curve(&self, qd: &[f64], sign: Vec<f64>, reduce: &Reduce) -> Option<Curve> {
+    fn curve(&self, joint: usize, qd: &[f64], sign: Vec<f64>, reduce: &Reduce) -> Option<Curve> {
         let coulomb = effects::find("coulomb")?.about().parameters.first()?;
-        let [excess, velocity] = effects::find("stribeck")?.about().parameters else { return None };
+        let [excess, velocity, exponent] = effects::find("stribeck")?.about().parameters else {
+            return None;
+        };
+        let given = self.twin.values.get(exponent.name).and_then(|v| v.get(joint));
         self.curved().then(|| Curve {
             coulomb: searched(coulomb),
             static_level: Parameter {
@@ -390,6 +391,7 @@ impl Assembly<'_> {
                 upper: coulomb.max + excess.max,
             },
             velocity: searched(velocity),
+            exponent: given.copied().unwrap_or(exponent.typical),
             speed: qd.to_vec(),
             reduce: reduce.clone(),
             sign,

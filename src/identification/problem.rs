@@ -57,6 +57,8 @@ pub struct Curve {
     pub static_level: Parameter,
     /// w_s, rad/s
     pub velocity: Parameter,
+    /// 1 in the paper.
+    pub exponent: f64,
     /// Joint velocity at every sample, rad/s.
     pub speed: Vec<f64>,
     pub reduce: Reduce,
@@ -84,7 +86,7 @@ pub struct JointProblem {
 }
 
 impl Curve {
-    /// F(s exp(-|w / w_s|)) at the kept samples.
+    /// F(s exp(-|w / w_s|^a)) at the kept samples.
     pub fn column(&self, velocity: f64) -> Vec<f64> {
         self.columns(&[velocity]).remove(0)
     }
@@ -94,18 +96,19 @@ impl Curve {
         (self.reduce)(velocities.iter().map(|&v| self.raw(v)).collect())
     }
 
-    /// s exp(-|w / w_s|) at every sample.
+    /// s exp(-|w / w_s|^a) at every sample.
     fn raw(&self, velocity: f64) -> Vec<f64> {
         let mut raw = vec![0.0; self.speed.len()];
-        stribeck(&self.speed, velocity, &mut raw);
+        stribeck(&self.speed, velocity, self.exponent, &mut raw);
         raw
     }
 
-    /// The column and F(s |w / w_s^2| exp(-|w / w_s|)), its derivative with respect to w_s.
+    /// The column and F(s a |w / w_s|^a / w_s exp(-|w / w_s|^a)), its derivative with respect to w_s.
     fn with_derivative(&self, velocity: f64) -> [Vec<f64>; 2] {
         let raw = self.raw(velocity);
-        let scale = 1.0 / (velocity * velocity);
-        let bend = raw.iter().zip(&self.speed).map(|(e, w)| e * w.abs() * scale).collect();
+        let slope = self.exponent / velocity;
+        let bend = |(e, w): (&f64, &f64)| e * slope * (w / velocity).abs().powf(self.exponent);
+        let bend = raw.iter().zip(&self.speed).map(bend).collect();
         let mut both = (self.reduce)(vec![raw, bend]).into_iter();
         std::array::from_fn(|_| both.next().unwrap_or_default())
     }

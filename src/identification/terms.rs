@@ -86,7 +86,7 @@ impl Terms {
         let given = |e: &'static dyn Effect| {
             let value = |p: &Parameter| twin.values.get(p.name)?.get(joint).copied();
             let values: Option<Vec<f64>> =
-                nonlinear(e).map(|p| value(p).or(p.is_reference().then_some(p.typical))).collect();
+                nonlinear(e).map(|p| value(p).or(p.left_out())).collect();
             values.filter(|v| !v.is_empty()).map(|v| (e, v))
         };
         self.fitted.iter().copied().filter(|e| !is_open(*e, twin)).filter_map(given).collect()
@@ -125,8 +125,8 @@ fn nonlinear(effect: &'static dyn Effect) -> impl Iterator<Item = &'static Param
     effect.about().parameters.iter().filter(|p| p.role == Role::Nonlinear)
 }
 
-/// Has it nonlinear parameters besides references, and does the twin give none of them?
+/// Has it nonlinear parameters that cannot be left out, and does the twin give none of them?
 fn is_open(effect: &'static dyn Effect, twin: &Twin) -> bool {
-    let mut own = nonlinear(effect).filter(|p| !p.is_reference()).peekable();
+    let mut own = nonlinear(effect).filter(|p| p.left_out().is_none()).peekable();
     own.peek().is_some() && own.all(|p| !twin.values.contains_key(p.name))
 }

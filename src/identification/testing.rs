@@ -43,7 +43,7 @@ pub fn problem(n: usize, noise: f64, filtered: bool) -> JointProblem {
     let mut torque: Vec<f64> =
         (0..n).map(|_| noise * 3f64.sqrt() * (2.0 * rng.random::<f64>() - 1.0)).collect();
     let mut bend = vec![0.0; n];
-    stribeck(&speed, TRUTH[5], &mut bend);
+    stribeck(&speed, TRUTH[5], 1.0, &mut bend);
     axpy(TRUTH[0], &sign, &mut torque);
     axpy(TRUTH[1] - TRUTH[0], &bend, &mut torque);
     raw.iter().zip(&TRUTH[2..]).for_each(|(c, v)| axpy(*v, c, &mut torque));
@@ -66,6 +66,7 @@ pub fn problem(n: usize, noise: f64, filtered: bool) -> JointProblem {
             coulomb: parameter("coulomb", 0.0, 60.0),
             static_level: parameter("static", 0.0, 90.0),
             velocity: parameter("stribeck_velocity", 0.005, 0.5),
+            exponent: 1.0,
             sign: reduced(&sign),
             speed,
             reduce,

@@ -39,8 +39,8 @@ fn injection(
     let mut values = vec![Vec::with_capacity(parameters.len()); rows];
     for p in parameters {
         let Some(given) = table.get(p.name) else {
-            if p.is_reference() {
-                values.iter_mut().for_each(|row| row.push(p.typical));
+            if let Some(usual) = p.left_out() {
+                values.iter_mut().for_each(|row| row.push(usual));
                 continue;
             }
             let Parameter { name: key, typical, unit, .. } = p;

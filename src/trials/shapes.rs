@@ -128,7 +128,10 @@ fn proportions(
     let big = joint < 3;
     let width = Size::Knob { parameter: 1, low: 1e-4, high: 0.05 };
     match name {
-        "stribeck" => (vec![1.0, ratio(rng, 0.02, 0.12)], factor(&[0], 25.0)),
+        "stribeck" => {
+            let exponent = if rng.random_bool(0.5) { 1.0 } else { 2.0 };
+            (vec![1.0, ratio(rng, 0.02, 0.12), exponent], factor(&[0], 25.0))
+        }
         "coulomb_asymmetry" => {
             let viscous = if rng.random_bool(0.5) { 0.0 } else { rng.random_range(-0.5..0.5) };
             (vec![sign(rng), viscous], factor(&[0, 1], 18.0))

@@ -130,7 +130,7 @@ impl Twin {
     }
 
     fn knows(&self, effect: &dyn Effect) -> bool {
-        let given = |p: &Parameter| p.is_reference() || self.values.contains_key(p.name);
+        let given = |p: &Parameter| p.left_out().is_some() || self.values.contains_key(p.name);
         effect.about().parameters.iter().all(given)
     }
 }

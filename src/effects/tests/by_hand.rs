@@ -16,8 +16,8 @@ fn closed_form(name: &str) -> (Vec<f64>, Vec<[f64; 3]>, f64) {
         "viscous" => (vec![6.0], at(0.0, -0.5, 0.0), -3.0),
         "viscous_quadratic" => (vec![2.0], at(0.0, -0.5, 0.0), -0.5),
         "viscous_cubic" => (vec![4.0], at(0.0, -0.5, 0.0), -0.5),
-        // 2 / e at the Stribeck velocity
-        "stribeck" => (vec![2.0, 0.05], at(0.0, 0.05, 0.0), 2.0 / e),
+        // A Gaussian at twice the Stribeck velocity
+        "stribeck" => (vec![2.0, 0.05, 2.0], at(0.0, 0.1, 0.0), 2.0 / e.powi(4)),
         // Half of both, whatever the direction
         "coulomb_asymmetry" => (vec![1.0, 0.6], at(0.0, -0.5, 0.0), 0.5 + 0.15),
         // 20 K above 25 deg C
