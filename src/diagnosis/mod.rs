@@ -24,6 +24,7 @@ mod masses;
 mod mend;
 mod model;
 mod newton;
+mod notes;
 mod probability;
 mod rank;
 mod reasons;

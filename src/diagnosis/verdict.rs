@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use super::account::Account;
 use super::candidate::Place;
-use super::colour::{Colour, WHITE_NOISE};
+use super::colour::Colour;
 use super::columns::Blocks;
 use super::episodes::{Episode, episodes};
 use super::evidence::Evidence;
 use super::kinematics::{self, Lagging};
 use super::leftover::{Remains, SYSTEMATIC, leftover};
 use super::model::Fit;
-use super::rank::{Hypothesis, acts_on, describe};
+use super::rank::{Hypothesis, acts_on};
 use super::revise::Standing;
 use super::rivals::{equivalents, named as name_of, ranked_with, share_of};
 use super::select::{Round, Search};
@@ -27,7 +27,7 @@ use crate::series::JointSeries;
 const SHOWN: usize = 12;
 const SCHEMA: &str = "armtwin.diagnosis/1";
 /// More than this for "unknown" and no cause is named.
-const ABSTAIN: f64 = 0.5;
+pub const ABSTAIN: f64 = 0.5;
 
 /// Causes at one joint from which on something unknown is likelier.
 const MOST_AT_A_JOINT: usize = 3;
@@ -41,9 +41,9 @@ pub struct Findings<'a, 'e> {
     pub search: &'a Search<'a, 'e>,
     pub account: Account<'a, 'e>,
     pub floor: Vec<Floor>,
-    noise: Colour,
+    pub noise: Colour,
     /// Recorded velocities that lag.
-    lagging: Option<Lagging>,
+    pub lagging: Option<Lagging>,
 }
 
 impl<'a, 'e> Findings<'a, 'e> {
@@ -56,11 +56,11 @@ impl<'a, 'e> Findings<'a, 'e> {
         Self { search, account, floor, noise, lagging }
     }
 
-    fn settings(&self) -> &Settings {
+    pub fn settings(&self) -> &Settings {
         self.search.settings
     }
 
-    fn accepted(&self) -> Vec<&Hypothesis<'a, 'e>> {
+    pub fn accepted(&self) -> Vec<&Hypothesis<'a, 'e>> {
         self.account.accepted()
     }
 
@@ -81,7 +81,7 @@ impl<'a, 'e> Findings<'a, 'e> {
 
     /// The strongest cause and what does better in its place, yet cannot be named itself: at the end of
     /// its range, or not in all it says.
-    fn outdone(&self) -> Option<[&Hypothesis<'a, 'e>; 2]> {
+    pub fn outdone(&self) -> Option<[&Hypothesis<'a, 'e>; 2]> {
         let standing = self.account.standings.first()?;
         let (cause, best) = (standing.cause(), standing.ranked.first()?);
         (best.score > cause.score + standing.tolerance).then_some([cause, best])
@@ -305,53 +305,5 @@ impl<'a, 'e> Findings<'a, 'e> {
             ranked: r.ranked.iter().take(SHOWN).map(scored).collect(),
         };
         self.account.rounds.iter().map(round).collect()
-    }
-
-    fn notes(&self, remains: &Remains, unknown: f64) -> Vec<String> {
-        let mut notes: Vec<String> = self.lagging.iter().map(Lagging::says).collect();
-        let Settings { mass_error, centre_error_m, .. } = self.settings();
-        if self.account.uncertain {
-            notes.push(format!(
-                "link masses are fitted along, known to {:.0} %, their centres to {:.0} mm",
-                100.0 * mass_error,
-                1000.0 * centre_error_m
-            ));
-        }
-        notes.extend(self.account.notes.iter().cloned());
-        if let Some(why) = self.account.rounds.last().and_then(|r| r.declined.as_ref()) {
-            notes.push(format!("the search ended because {why}"));
-        }
-        if self.noise != WHITE_NOISE {
-            notes.push(format!(
-                "noise is coloured: where the arm moves its power is {:.0} times that where nothing \
-                 moves even at the quietest joint, and nothing of that can be predicted from the \
-                 motion",
-                self.noise.in_motion_band
-            ));
-        }
-        if !remains.is_exact() {
-            notes.push(format!(
-                "no joint comes closer than {:.0} times to its noise: the twin is inexact \
-                 throughout, causes are judged by the share they explain",
-                remains.inexactness()
-            ));
-        }
-        if let Some([cause, rival]) = self.outdone() {
-            let only = rival.at_bound.map(|p| format!(", but only with {p} at its bound"));
-            notes.push(format!(
-                "{} fits better in the place of {}{}",
-                describe(rival.trial.candidate),
-                describe(cause.trial.candidate),
-                only.unwrap_or_default()
-            ));
-        } else if unknown > ABSTAIN && !self.accepted().is_empty() {
-            let names: Vec<String> =
-                self.accepted().iter().map(|h| describe(h.trial.candidate)).collect();
-            notes.push(format!(
-                "{} fits best, but what it leaves is too systematic to name it",
-                names.join(", ")
-            ));
-        }
-        notes
     }
 }
