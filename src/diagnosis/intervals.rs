@@ -13,7 +13,7 @@ use super::evidence::Evidence;
 use super::model::{Built, Fit, Model};
 use super::rank::effective_shares;
 use super::system::System;
-use super::{Value, answer};
+use super::{Value, slow};
 use crate::effects::Role;
 use crate::statistics::normal_quantile;
 
@@ -21,10 +21,22 @@ use crate::statistics::normal_quantile;
 pub const LEVEL: f64 = 0.9;
 /// Of a nonlinear parameter, relative; a hundredth of its range for zero.
 const DIFFERENCE: f64 = 1e-3;
+/// The same where columns follow a reference and may jump: what they do over a small step says nothing
+/// of what they do over a wide one.
+const WIDE_DIFFERENCE: f64 = 0.2;
 
 /// Values of every cause with intervals, in the order of the causes; `left` is what the fit leaves
-/// of the check recording.
-pub fn values(fit: &Fit<'_, '_>, check: &Evidence<'_>, left: &Blocks) -> Vec<Vec<answer::Value>> {
+/// of the check recording. Of joints that give way those of slow torque, which tells them better.
+pub fn values(fit: &Fit<'_, '_>, check: &Evidence<'_>, left: &Blocks) -> Vec<Vec<Value>> {
+    let mut values = of_fit(fit, check, left);
+    for (i, of_cause) in slow::values(fit, check).into_iter().flatten() {
+        values[i] = of_cause;
+    }
+    values
+}
+
+/// The same of a fit as it is.
+pub(super) fn of_fit(fit: &Fit<'_, '_>, check: &Evidence<'_>, left: &Blocks) -> Vec<Vec<Value>> {
     let (on_fit, places) = step(fit, fit.evidence, &fit.system.residual);
     let (on_check, _) = step(fit, check, left);
     let variance = |column: usize| {
@@ -113,8 +125,11 @@ fn slope(
     k: usize,
     p: &crate::effects::Parameter,
 ) -> Blocks {
-    let value = fit.model.causes[i].nonlinear[k];
-    let step = if value != 0.0 { DIFFERENCE * value.abs() } else { 0.01 * (p.max - p.min) };
+    let term = &fit.model.causes[i];
+    let value = term.nonlinear[k];
+    let follows = term.candidate.effect.about().parameters.iter().any(|p| p.is_reference());
+    let share = if follows { WIDE_DIFFERENCE } else { DIFFERENCE };
+    let step = if value != 0.0 { share * value.abs() } else { 0.01 * (p.max - p.min) };
     let at = |value: f64| {
         let mut model = fit.model.clone();
         model.causes[i].nonlinear[k] = value;

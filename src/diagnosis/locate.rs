@@ -55,7 +55,10 @@ pub fn locate(
     let candidates: Vec<Candidate> = curved.iter().chain(&open).flat_map(each).collect();
     while let Some(more) = next(&evidence, &model, &candidates) {
         model = more;
-        refine_together(&evidence, &mut model);
+        // What the twin gives stays.
+        let given = model.causes.iter().take_while(|t| t.searched.is_empty()).count();
+        let sought: Vec<usize> = (given..model.causes.len()).collect();
+        refine_together(&evidence, &mut model, &sought);
     }
     let motion = evidence.motion(&twin.robot);
     let is_curve = |c: &&Candidate| curved.is_some_and(|e| e.about().name == c.name());
@@ -90,12 +93,11 @@ fn next(evidence: &Evidence<'_>, model: &Model, candidates: &[Candidate]) -> Opt
     best.map(|(_, model)| model)
 }
 
-fn refine_together(evidence: &Evidence<'_>, model: &mut Model) {
+/// Searches the causes at these indices again, each given all others, until none gains.
+pub(super) fn refine_together(evidence: &Evidence<'_>, model: &mut Model, sought: &[usize]) {
     for _ in 0..ROUNDS {
         let mut gained = 0.0f64;
-        // What the twin gives stays.
-        let given = model.causes.iter().take_while(|t| t.searched.is_empty()).count();
-        for i in given..model.causes.len() {
+        for &i in sought {
             let others = Fit::new(evidence, model.without(&[i]));
             let now = search::tried(&others, &model.causes[i]);
             let again = search::screen(&others, &[model.causes[i].candidate], &[]);

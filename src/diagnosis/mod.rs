@@ -36,6 +36,7 @@ mod search;
 mod select;
 mod shrink;
 mod significance;
+mod slow;
 mod surrogates;
 mod system;
 #[cfg(test)]

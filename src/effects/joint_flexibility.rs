@@ -89,6 +89,10 @@ impl Effect for JointFlexibility {
         &ABOUT
     }
 
+    fn outruns_motion(&self) -> bool {
+        true
+    }
+
     fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
         let axes = [
             ("joint_damping", vec![10.0, 60.0]),

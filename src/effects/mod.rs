@@ -244,6 +244,12 @@ pub trait Effect: Sync {
         Vec::new()
     }
 
+    /// Explain: does it shake the arm faster than its conditioned motion shows? Values are then taken
+    /// from torque that is as slow.
+    fn outruns_motion(&self) -> bool {
+        false
+    }
+
     /// Explain: how much of the first parameter the drive is known to have at `joint`; a cause is a
     /// change of it, and may take it away.
     fn in_drive(&self, _drive: &Drive, _joint: usize) -> f64 {

@@ -57,6 +57,10 @@ impl Effect for TorqueRipple {
         &ABOUT
     }
 
+    fn outruns_motion(&self) -> bool {
+        true
+    }
+
     fn starts(&self, motion: &Motion<'_>, joint: usize) -> Vec<Vec<f64>> {
         let orders = orders(motion, joint);
         starts::grid(ABOUT.parameters, &[("ripple_order", orders)])

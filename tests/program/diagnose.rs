@@ -105,6 +105,27 @@ fn a_hidden_payload_is_named_and_the_mended_twin_has_no_gap() {
     assert!(again["causes"].as_array().unwrap().is_empty(), "{page}");
 }
 
+/// The motor's answer to blows, which torque shows and conditioned motion does not, is not taken for a
+/// smaller gap. How stiff the teeth are a base without load does not show.
+#[test]
+fn play_of_a_base_comes_back_within_its_interval() {
+    const GAP_RAD: f64 = 0.002;
+    let folder = Folder::simulated(&format!(
+        "[effects.backlash]
+joints = [1]
+backlash_gap = {GAP_RAD}
+backlash_stiffness = 2e4
+backlash_damping = 40
+"
+    ));
+    let (found, page) = folder.diagnosed(TWIN, "out");
+    let cause = &found["causes"][0];
+    assert_eq!((&cause["effect"], &cause["joints"]), (&"backlash".into(), &[1].into()), "{page}");
+    let gap = &cause["parameters"][0];
+    let [low, high] = ["low", "high"].map(|end| number(&gap[end]));
+    assert!(low <= GAP_RAD && GAP_RAD <= high && high - low < 0.4 * GAP_RAD, "{gap}");
+}
+
 #[test]
 fn a_twin_that_is_right_has_no_gap() {
     let folder = Folder::simulated("");
