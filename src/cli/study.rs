@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::save;
 use crate::report::html::study_report;
 use crate::studies::StudyError;
-use crate::studies::sweep::{self, Page, Question, Ran, Shard, Store, Study, Table};
+use crate::studies::sweep::{self, Question, Ran, Shard, Store, Study, Table};
 
 /// Robustness over noise, seeds, effects, strengths, motions: resumable, on one machine or many
 #[derive(clap::Args)]
@@ -185,13 +185,13 @@ fn peak_bytes() -> u64 {
 }
 
 fn report(out: &Path, study: &Study, [cells, timings]: &[Table; 2]) -> anyhow::Result<()> {
-    let Page { text, figures } = sweep::summarise(study, cells, timings)?;
-    for (name, svg) in &figures {
-        save::text(&out.join(name), svg)?;
+    let page = sweep::summarise(study, cells, timings);
+    for figure in &page.figures {
+        save::text(&out.join(&figure.file), &figure.svg()?)?;
     }
-    save::text(&out.join("report.html"), &study_report(&text, &figures))?;
-    save::text(&out.join("summary.md"), &text)?;
-    let names: Vec<&str> = figures.iter().map(|(name, _)| name.as_str()).collect();
+    save::text(&out.join("report.html"), &study_report(&page)?)?;
+    save::text(&out.join("summary.md"), &page.text)?;
+    let names: Vec<&str> = page.figures.iter().map(|f| f.file.as_str()).collect();
     println!("{}: summary.md, report.html, {}", out.display(), names.join(", "));
     Ok(())
 }

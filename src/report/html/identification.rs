@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::chart::{Chart, Row};
 use super::frame::{Fact, Page, Section, facts};
-use super::plot::{AFTER, BEFORE, Curve, MEASURED, Plot, key};
+use super::plot::{AFTER, BEFORE, Curve, Drawn, MEASURED, Plot, key};
 use super::table::table;
 use crate::identification::{JointEstimate, MethodResult, ParameterEstimate};
 use crate::report::to_uncertainty;
@@ -72,7 +72,7 @@ fn answer(report: &IdentificationReport<'_>) -> String {
     let checked = result.joints.iter().all(|j| j.check.is_some());
     let on = if checked { "a recording it was not fitted on" } else { "the recording itself" };
     format!(
-        "{} explains {:.1} % to {:.1} % of what the torques of the moving joints vary by, on {on}; \
+        "{} explains {:.2} % to {:.2} % of what the torques of the moving joints vary by, on {on}; \
          {sure} of {} parameters are determined by these data.",
         result.method.to_uppercase(),
         100.0 * low,
@@ -125,7 +125,7 @@ fn joint(c: &FrictionCurve) -> Markup {
         colour,
         x: thin(&c.velocity),
         y: thin(y),
-        joined: false,
+        drawn: Drawn::Points,
     };
     Plot {
         title: format!("Joint {}", c.joint),
@@ -135,8 +135,7 @@ fn joint(c: &FrictionCurve) -> Markup {
             curve("measured", MEASURED, &c.measured),
             curve("fitted twin", AFTER, &c.fitted),
         ],
-        bands: Vec::new(),
-        whole: false,
+        ..Plot::default()
     }
     .markup()
 }

@@ -3,7 +3,7 @@
 use maud::html;
 
 use super::frame::{Page, Section};
-use super::plot::{AFTER, Band, Curve, Plot, rounded, thinned};
+use super::plot::{AFTER, Band, Curve, Drawn, Plot, rounded, thinned};
 
 fn page(body: maud::Markup) -> String {
     let sections = vec![Section::new("one", "One", body), Section::new("two", "Two", html! {})];
@@ -17,9 +17,15 @@ fn plot(name: &str) -> Plot<'_> {
         title: "t".into(),
         across: "x",
         up: "y",
-        curves: vec![Curve { name, colour: AFTER, x: vec![0.0, 1.0, 2.0], y, joined: true }],
+        curves: vec![Curve {
+            name,
+            colour: AFTER,
+            x: vec![0.0, 1.0, 2.0],
+            y,
+            drawn: Drawn::Joined,
+        }],
         bands: vec![Band { name: "slow".into(), from: 0.5, to: 1.5 }],
-        whole: false,
+        ..Plot::default()
     }
 }
 

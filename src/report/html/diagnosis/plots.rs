@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::super::plot::{AFTER, BEFORE, Band, Curve, MEASURED, Plot, key};
+use super::super::plot::{AFTER, BEFORE, Band, Curve, Drawn, MEASURED, Plot, key};
 use crate::diagnosis::{Diagnosis, JointTraces, Traces};
 
 /// Points of a curve at most.
@@ -40,7 +40,7 @@ fn joint_friction(t: &JointTraces) -> Markup {
         up: "torque / N.m",
         curves,
         bands: bands(t, &t.velocity, &["slow"]),
-        whole: false,
+        ..Plot::default()
     }
     .markup()
 }
@@ -72,7 +72,7 @@ fn over_time(t: &JointTraces, step: f64) -> Markup {
     bands.extend(time_bands(t, &t.contact, step, "contact"));
     let curve = |name, colour, y: &[f64]| {
         let [x, y] = with_gaps(&t.time, y, step);
-        Curve { name, colour, x, y, joined: true }
+        Curve { name, colour, x, y, drawn: Drawn::Joined }
     };
     Plot {
         title: "over time (shaded: after a reversal)".into(),
@@ -81,6 +81,7 @@ fn over_time(t: &JointTraces, step: f64) -> Markup {
         curves: both(t, curve),
         bands,
         whole: true,
+        ..Plot::default()
     }
     .markup()
 }
@@ -109,7 +110,7 @@ fn over_all(t: &JointTraces) -> Markup {
                     up: "residual / N.m",
                     curves: both(t, |name, colour, y| points(name, colour, &kept, x, y)),
                     bands: bands(t, x, regimes),
-                    whole: false,
+                    ..Plot::default()
                 }
                 .markup())
             }
@@ -137,7 +138,7 @@ fn points<'a>(
     y: &[f64],
 ) -> Curve<'a> {
     let take = |values: &[f64]| kept.iter().map(|&k| values[k]).collect();
-    Curve { name, colour, x: take(x), y: take(y), joined: false }
+    Curve { name, colour, x: take(x), y: take(y), drawn: Drawn::Points }
 }
 
 fn thinned(rows: usize) -> Vec<usize> {
