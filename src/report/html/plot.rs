@@ -266,6 +266,27 @@ pub fn thinned(x: &[f64], y: &[f64], places: usize) -> [Vec<f64>; 2] {
     [x, y].map(|series| kept.iter().map(|k| series[*k]).collect())
 }
 
+/// Rows in order of time, a NaN where some are further apart than `step`; of every so many one, so that
+/// `most` are left.
+pub fn with_gaps(time: &[f64], y: &[f64], step: f64, most: usize) -> [Vec<f64>; 2] {
+    let stride = time.len().div_ceil(most).max(1);
+    let mut out = [Vec::new(), Vec::new()];
+    let mut last: Option<f64> = None;
+    for (k, (&t, &y)) in time.iter().zip(y).enumerate() {
+        let gap = last.is_some_and(|last| t - last > 1.5 * step);
+        if gap {
+            out[0].push(t);
+            out[1].push(f64::NAN);
+        }
+        if gap || k % stride == 0 {
+            out[0].push(t);
+            out[1].push(y);
+        }
+        last = Some(t);
+    }
+    out
+}
+
 /// To [`DIGITS`] digits.
 pub fn rounded(x: f64) -> f64 {
     if x == 0.0 || !x.is_finite() {

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::super::plot::{AFTER, BEFORE, Band, Curve, Drawn, MEASURED, Plot, key};
+use super::super::plot::{AFTER, BEFORE, Band, Curve, Drawn, MEASURED, Plot, key, with_gaps};
 use crate::diagnosis::{Diagnosis, JointTraces, Traces};
 
 /// Points of a curve at most.
@@ -71,7 +71,7 @@ fn over_time(t: &JointTraces, step: f64) -> Markup {
     let mut bands = time_bands(t, t.held("reversal").unwrap_or(&[]), step, "");
     bands.extend(time_bands(t, &t.contact, step, "contact"));
     let curve = |name, colour, y: &[f64]| {
-        let [x, y] = with_gaps(&t.time, y, step);
+        let [x, y] = with_gaps(&t.time, y, step, 2 * MOST_POINTS);
         Curve { name, colour, x, y, drawn: Drawn::Joined }
     };
     Plot {
@@ -145,26 +145,6 @@ fn thinned(rows: usize) -> Vec<usize> {
     (0..rows).step_by(rows.div_ceil(MOST_POINTS).max(1)).collect()
 }
 
-/// Rows in order of time, a NaN where some are left out; thinned by leaving out every so many.
-fn with_gaps(time: &[f64], y: &[f64], step: f64) -> [Vec<f64>; 2] {
-    let stride = time.len().div_ceil(2 * MOST_POINTS).max(1);
-    let mut out = [Vec::new(), Vec::new()];
-    let mut last: Option<f64> = None;
-    for (k, (&t, &y)) in time.iter().zip(y).enumerate() {
-        let gap = last.is_some_and(|last| t - last > 1.5 * step);
-        if gap {
-            out[0].push(t);
-            out[1].push(f64::NAN);
-        }
-        if gap || k % stride == 0 {
-            out[0].push(t);
-            out[1].push(y);
-        }
-        last = Some(t);
-    }
-    out
-}
-
 /// Stretches of time where `held`.
 fn time_bands(t: &JointTraces, held: &[bool], step: f64, name: &str) -> Vec<Band> {
     let mut bands: Vec<Band> = Vec::new();
@@ -233,7 +213,5 @@ mod tests {
         let ends: Vec<[f64; 2]> = found.iter().map(|b| [b.from, b.to]).collect();
         assert_eq!(ends.len(), 2);
         assert!((ends[0][1] - 0.25).abs() < 1e-9 && (ends[1][0] - 0.95).abs() < 1e-9, "{ends:?}");
-        let [x, y] = with_gaps(&t.time, &[1.0; 5], 0.1);
-        assert_eq!((x.len(), y.iter().filter(|y| y.is_nan()).count()), (6, 1));
     }
 }
