@@ -68,6 +68,10 @@ fn rooms_only_look_upstream() {
     for room in core {
         assert_never_uses(room, &["cli", "viewer", "report"]);
     }
+    // Pages show what these find; tables as text are for all of them.
+    for room in ["diagnosis", "motor", "studies", "trials", "case_studies"] {
+        assert_never_uses(room, &["cli", "viewer", "report::html"]);
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 
-use super::{diagnose, out, simulate, view};
+use super::{diagnose, out, save, simulate, view};
 use crate::diagnosis;
 use crate::identification::{
     ArmProblem, BoundsByName, Dropped, MethodResult, Settings, Terms, assemble, fitted_twin,
@@ -36,6 +36,9 @@ pub struct Args {
     /// Length of both recordings, s
     #[arg(long, value_name = "S", default_value_t = 60.0)]
     duration: f64,
+    /// Write what was identified, and where the rest is, as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
     /// Open twin.rrd in the viewer
     #[arg(long)]
     view: bool,
@@ -73,6 +76,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     println!("\n3. Diagnose what the identified twin lacks\n");
     diagnosed(found.open(), [fit.recording, check.recording], args)?;
     println!("Everything is in {}:\n{}", args.out.display(), diagnose::written(&args.out));
+    if let Some(path) = &args.json {
+        let file = |name: &str| args.out.join(name);
+        let all = serde_json::json!({
+            "seed": args.seed, "dropped": found.dropped, "identified": found.results,
+            "truth": file("truth.json"), "diagnosis": file("diagnosis.json"),
+        });
+        save::json(path, "armtwin.demo/1", &all)?;
+    }
     match args.view {
         true => view::open(&args.out.join("twin.rrd")),
         false => Ok(()),

@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use anyhow::{Context, bail};
 
 use super::stream::{Deliveries, Link, StreamArgs};
-use super::{interrupt, progress};
+use super::{interrupt, progress, save};
 use crate::files::write_whole;
 use crate::recording::{self, WriteOptions};
 use crate::simulation::{Command, Experiment, Run, Scenario, Simulation, Truth};
@@ -43,6 +43,9 @@ pub struct Args {
     duration: Option<f64>,
     #[command(flatten)]
     live: StreamArgs,
+    /// Write which files were made, and how long the recordings are, as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -89,6 +92,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let out = args.out.display();
     let e = args.format.extension();
     println!("{out}: fit.{e} ({fit} samples), check.{e} ({check} samples), truth.json");
+    if let Some(path) = &args.json {
+        let file = |name: String| args.out.join(name);
+        let made = serde_json::json!({
+            "scenario": args.scenario, "seed": scenario.seed, "rate_hz": scenario.rate_hz,
+            "fit": { "file": file(format!("fit.{e}")), "samples": fit },
+            "check": { "file": file(format!("check.{e}")), "samples": check },
+            "truth": file("truth.json".into()),
+        });
+        save::json(path, "armtwin.simulation/1", &made)?;
+    }
     sent.end(link)
 }
 

@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::save;
 use crate::report::html::study_report;
 use crate::studies::StudyError;
-use crate::studies::sweep::{self, Page, Question, Ran, Shard, Store, Study, Table};
+use crate::studies::sweep::{self, Question, Ran, Shard, Store, Study, Table};
 
 /// Robustness over noise, seeds, effects, strengths, motions: resumable, on one machine or many
 #[derive(clap::Args)]
@@ -59,6 +59,9 @@ enum After {
         /// Folder for the joined results
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
+        /// Write what is joined, and in which files, as JSON
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
     },
     /// Draw the plots and write the summary of a finished study again
     #[command(after_help = "Example: armtwin study report identification")]
@@ -66,18 +69,19 @@ enum After {
         /// Folder of a finished study
         #[arg(value_name = "DIR")]
         dir: PathBuf,
+        /// Write what is summed up, and in which files, as JSON
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
     },
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     match (&args.after, &args.study, &args.out) {
-        (Some(After::Merge { dirs, out }), ..) => {
-            let (study, tables) = sweep::merge(dirs, out)?;
-            report(out, &study, &tables)
+        (Some(After::Merge { dirs, out, json }), ..) => {
+            finish(out, &sweep::merge(dirs, out)?, json.as_deref())
         }
-        (Some(After::Report { dir }), ..) => {
-            let (study, tables) = sweep::tables(dir)?;
-            report(dir, &study, &tables)
+        (Some(After::Report { dir, json }), ..) => {
+            finish(dir, &sweep::tables(dir)?, json.as_deref())
         }
         (None, Some(file), Some(out)) => cells(args, file, out),
         _ => bail!("give a study and --out, or merge, or report"),
@@ -114,7 +118,7 @@ fn cells(args: &Args, file: &Path, out: &Path) -> anyhow::Result<()> {
         save::json(path, "armtwin.study/1", &all)?;
     }
     match complete {
-        true => report(out, &study, &tables),
+        true => report(out, &study, &tables).map(|_| ()),
         false => {
             println!("{}: this shard is done; join all with `armtwin study merge`", out.display());
             Ok(())
@@ -184,16 +188,32 @@ fn peak_bytes() -> u64 {
     1024 * kib.unwrap_or(0)
 }
 
-fn report(out: &Path, study: &Study, [cells, timings]: &[Table; 2]) -> anyhow::Result<()> {
-    let Page { text, figures } = sweep::summarise(study, cells, timings)?;
-    for (name, svg) in &figures {
-        save::text(&out.join(name), svg)?;
+/// After `merge` and `report`.
+fn finish(
+    out: &Path,
+    (study, tables): &(Study, [Table; 2]),
+    json: Option<&Path>,
+) -> anyhow::Result<()> {
+    let files = report(out, study, tables)?;
+    let Some(path) = json else { return Ok(()) };
+    let all = serde_json::json!({
+        "title": study.title, "out": out, "cells": study.cells(), "files": files,
+    });
+    save::json(path, "armtwin.study_report/1", &all)
+}
+
+/// Writes the page and its pictures; their names.
+fn report(out: &Path, study: &Study, [cells, timings]: &[Table; 2]) -> anyhow::Result<Vec<String>> {
+    let page = sweep::summarise(study, cells, timings);
+    for figure in &page.figures {
+        save::text(&out.join(&figure.file), &figure.svg()?)?;
     }
-    save::text(&out.join("report.html"), &study_report(&text, &figures))?;
-    save::text(&out.join("summary.md"), &text)?;
-    let names: Vec<&str> = figures.iter().map(|(name, _)| name.as_str()).collect();
-    println!("{}: summary.md, report.html, {}", out.display(), names.join(", "));
-    Ok(())
+    save::text(&out.join("report.html"), &study_report(&page)?)?;
+    save::text(&out.join("summary.md"), &page.text)?;
+    let mut files = vec!["summary.md".to_string(), "report.html".into()];
+    files.extend(page.figures.into_iter().map(|f| f.file));
+    println!("{}: {}", out.display(), files.join(", "));
+    Ok(files)
 }
 
 fn speed(ran: &Ran) -> String {

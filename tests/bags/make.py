@@ -67,6 +67,7 @@ def main(source, out):
     shutil.copy(out / "folder_sqlite" / "folder_sqlite.db3", out / "rosbags.db3")
     rosbag(out / "folder_mcap", samples, StoragePlugin.MCAP)
     rosbag(out / "folder_packed", samples, StoragePlugin.MCAP, CompressionMode.MESSAGE)
+    rosbag(out / "folder_packed_sqlite", samples, StoragePlugin.SQLITE3, CompressionMode.MESSAGE)
     split(out / "folder_split", samples)
     parquet(out / "pyarrow.parquet", samples)
 

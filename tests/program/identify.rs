@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde_json::Value;
 
 use crate::armtwin;
+use crate::browser::assert_sound;
 
 const FOLDER: &str = "recordings/kkufieta-ur5_modeling_force_estimate";
 
@@ -124,4 +125,28 @@ fn a_saved_twin_holds_the_fitted_values_and_seeds_repeat() {
     }
     let again = armtwin(&["identify", &fit, "--twin", &twin, "--terms", "viscous"]);
     assert_eq!(again.code, 0, "{}", again.stderr);
+}
+
+#[test]
+fn the_report_shows_torque_and_what_is_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/ur5_friction.toml");
+    let made = armtwin(&["simulate", scenario, "--out", &at("."), "--duration", "20"]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let files = [at("fit.csv"), at("check.csv"), at("report.html")];
+    let run = armtwin(&["identify", &files[0], "--check", &files[1], "--report", &files[2]]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let sections = [
+        "found",
+        "friction",
+        "residual",
+        "parameters",
+        "parameters-2",
+        "fit",
+        "untestable",
+        "about",
+    ];
+    // Torque over speed of six joints; of the joint that is open: over time, speed, angle.
+    assert_sound(&folder.path().join("report.html"), &sections, 6 + 3);
 }

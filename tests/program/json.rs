@@ -86,6 +86,57 @@ fn of_trials_and_studies() {
     assert_eq!(ran["ran"]["cells"], ran["cells"]);
     let again = json(folder.path(), "armtwin.study/1", &cells);
     assert_eq!((&again["kept"], &again["ran"]["cells"]), (&ran["cells"], &0.into()));
+    let page = json(folder.path(), "armtwin.study_report/1", &["study", "report", &at("study")]);
+    let merge = ["study", "merge", &at("study"), "--out", &at("merged")];
+    let merged = json(folder.path(), "armtwin.study_report/1", &merge);
+    assert_eq!((&page["files"], &page["cells"]), (&merged["files"], &ran["cells"]));
+    for file in merged["files"].as_array().unwrap() {
+        assert!(Path::new(&at("merged")).join(file.as_str().unwrap()).is_file(), "{file}");
+    }
+}
+
+/// Of every command that finds or makes something; `help` knows them all.
+#[test]
+fn every_command_has_it() {
+    let words = |arguments: &[&str]| -> Vec<String> {
+        let help = armtwin(&[arguments, &["--help"]].concat()).stdout;
+        let listed = help.split("Commands:").nth(1).unwrap_or_default();
+        let listed = listed.lines().skip(1).take_while(|l| !l.is_empty());
+        let names = listed.filter(|l| l.starts_with("  ") && !l.starts_with("   "));
+        names.map(|l| l.split_whitespace().next().unwrap().to_string()).collect()
+    };
+    let plain = ["help", "completions", "man"];
+    let commands: Vec<String> = words(&[]).into_iter().filter(|c| !plain.contains(&&**c)).collect();
+    assert!(commands.len() >= 17, "{commands:?}");
+    for command in &commands {
+        let below = words(&[command]);
+        let below = below.iter().filter(|b| *b != "help").map(|b| vec![command.as_str(), b]);
+        // A trial is nothing by itself.
+        let alone = (command != "trial").then(|| vec![command.as_str()]);
+        for arguments in below.chain(alone) {
+            let help = armtwin(&[&arguments[..], &["--help"]].concat()).stdout;
+            assert!(help.contains("--json"), "{arguments:?} has no --json");
+        }
+    }
+}
+
+#[test]
+fn of_a_simulation_and_the_demo() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
+    let scenario = format!("{ROOT}/scenarios/ur5_friction.toml");
+    let short = ["--out", &at("s"), "--duration", "8", "--format", "parquet"];
+    let made = [&["simulate", &scenario], &short[..]].concat();
+    let made = json(folder.path(), "armtwin.simulation/1", &made);
+    assert_eq!(made["fit"], serde_json::json!({"file": at("s/fit.parquet"), "samples": 1001}));
+    assert!(Path::new(made["truth"].as_str().unwrap()).is_file());
+
+    let demo = ["demo", "--out", &at("d"), "--duration", "20"];
+    let demo = json(folder.path(), "armtwin.demo/1", &demo);
+    let methods = demo["identified"].as_array().unwrap();
+    assert_eq!((&methods[0]["method"], &methods[1]["method"]), (&"pso".into(), &"nlse".into()));
+    assert_eq!(methods[1]["joints"].as_array().unwrap().len(), 6);
+    assert!(Path::new(demo["diagnosis"].as_str().unwrap()).is_file());
 }
 
 /// One seed of the searches, and nothing of the motor.

@@ -1,5 +1,6 @@
 //! What a shell and its user rely on: pipes that end early, completions, manual pages.
 
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
@@ -46,7 +47,44 @@ fn every_command_has_a_manual_page() {
     assert!(armtwin(&["man"]).stdout.contains(".TH armtwin 1"));
 }
 
-/// Neither a pipe nor NO_COLOR gets colours.
+/// What a command says on a terminal that `script` (util-linux) makes; `None` without it.
+fn on_a_terminal(folder: &Path, no_color: &str) -> Option<String> {
+    let program = env!("CARGO_BIN_EXE_armtwin");
+    let twin = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/twins/ur5.toml");
+    let fit = folder.join("fit.csv");
+    let command = format!(
+        "{program} diagnose --fit {} --twin {twin} --out {} --surrogates 0",
+        fit.display(),
+        folder.join("out").display()
+    );
+    let run = Command::new("script")
+        .args(["-qec", &command, "/dev/null"])
+        .env("NO_COLOR", no_color)
+        .env("TERM", "xterm")
+        .stdin(Stdio::null())
+        .output();
+    let Ok(run) = run else {
+        eprintln!("skipped: no `script` on PATH");
+        return None;
+    };
+    let said = String::from_utf8_lossy(&run.stdout).into_owned();
+    assert!(run.status.success(), "{said}");
+    Some(said)
+}
+
+#[test]
+fn a_terminal_gets_colours_unless_they_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/ur5_clean.toml");
+    let out = folder.path().to_str().unwrap();
+    let made = armtwin(&["simulate", scenario, "--out", out, "--duration", "20"]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let Some(bold) = on_a_terminal(folder.path(), "") else { return };
+    assert!(bold.contains("\u{1b}[1m"), "{bold}");
+    let plain = on_a_terminal(folder.path(), "1").unwrap();
+    assert!(!plain.contains("\u{1b}[1m") && plain.contains("gap"), "{plain}");
+}
+
 #[test]
 fn pipes_get_plain_text() {
     for arguments in [&["effects"][..], &["--help"], &["diagnose", "--help"]] {

@@ -8,14 +8,14 @@ use super::{Loaded, Report, fitted, print};
 use crate::effects::{Scope, find};
 use crate::files::write_whole;
 use crate::identification;
-use crate::report::html::{Fact, FrictionCurve, IdentificationReport, identification_report};
+use crate::report::html::{Fact, IdentificationReport, JointCurves, identification_report};
 use crate::signals::Samples;
 use crate::twin::Twin;
 
 pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
     let twin = fitted(report)?.map(|(twin, _)| twin);
     let judged = &report.check.unwrap_or(report.fit).samples;
-    let friction = twin.as_ref().map(|twin| friction(twin, judged)).transpose()?;
+    let joints = twin.as_ref().map(|twin| curves(twin, judged)).transpose()?;
     let mut files = vec![
         ("Settings of the search", serde_json::to_string_pretty(report.settings)?),
         ("Conditioning of the recordings", toml::to_string(report.conditioning)?),
@@ -24,7 +24,7 @@ pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
     files.extend(twin.map(|twin| ("The twin with what was found", twin.to_toml())));
     let html = identification_report(&IdentificationReport {
         results: report.results,
-        friction: &friction.unwrap_or_default(),
+        joints: &joints.unwrap_or_default(),
         found: &report.results.last().map_or(Vec::new(), identification::verdict),
         dropped: &report.dropped.map_or(Vec::new(), print::dropped),
         facts: &facts(report),
@@ -35,13 +35,14 @@ pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
 }
 
 /// What the joints need beyond what moves the masses: as recorded, and as the twin has it.
-fn friction(twin: &Twin, samples: &Samples) -> anyhow::Result<Vec<FrictionCurve>> {
+fn curves(twin: &Twin, samples: &Samples) -> anyhow::Result<Vec<JointCurves>> {
     let samples = &twin.correct(samples);
     let filter = samples.torque_filter()?;
     let heavy = |name: &String| find(name).is_some_and(|e| e.about().scope != Scope::Joint);
     let mut bare = twin.clone();
     bare.effects.retain(heavy);
     let motion = twin.motion(samples);
+    let time: Vec<f64> = (0..samples.len()).map(|k| samples.time(k)).collect();
     let (whole, masses) = (twin.torque(&motion), bare.torque(&motion));
     let joint = |j: usize| {
         let rows = samples.rows(j);
@@ -52,8 +53,11 @@ fn friction(twin: &Twin, samples: &Samples) -> anyhow::Result<Vec<FrictionCurve>
             }
             rows.take(&rest)
         };
-        FrictionCurve {
+        JointCurves {
             joint: j + 1,
+            time: rows.take(&time),
+            step: samples.decimation() as f64 * samples.dt,
+            position: rows.take(samples.q.joint(j)),
             velocity: rows.take(samples.qd.joint(j)),
             measured: less(samples.torque.joint(j)),
             fitted: less(whole.joint(j)),

@@ -31,8 +31,9 @@ fn refused(result: Result<Recording, RecordingError>, parts: &[&str]) {
 fn bags_of_the_python_packages_are_read_whole() {
     let expected = recording::read(&made("expected.csv"), None).unwrap();
     let files = ["lz4.mcap", "zstd.mcap", "plain.mcap", "shuffled.mcap", "rosbags.db3"];
-    let folders = ["folder_mcap", "folder_sqlite", "folder_packed", "folder_split"];
-    for name in files.into_iter().chain(folders) {
+    let packed = ["folder_packed", "folder_packed_sqlite"];
+    let folders = ["folder_mcap", "folder_sqlite", "folder_split"];
+    for name in files.into_iter().chain(folders).chain(packed) {
         assert!(RosBag.reads(&made(name)), "{name}");
         let map = "[bag]\neffort = 'current'";
         let found = read_with(&made(name), map).unwrap();

@@ -38,7 +38,7 @@ impl Chart<'_> {
                 svg viewBox={ "0 0 " (WIDTH) " " (bottom + 34.0) } role="img"
                     aria-label=(self.about) {
                     (self.legend())
-                    @for tick in scale.ticks() {
+                    @for tick in ticks(scale.low, scale.high) {
                         @let x = px(scale.x(tick));
                         line x1=(x) x2=(x) y1=(px(TOP)) y2=(px(bottom)) stroke="var(--line)" {}
                         text.quiet x=(x) y=(px(bottom + 13.0)) text-anchor="middle" { (tick) }
@@ -118,18 +118,18 @@ impl Scale {
         let share = (value.max(self.low) / self.low).ln() / (self.high / self.low).ln();
         LEFT + share * (RIGHT - LEFT)
     }
+}
 
-    /// 1, 2, 5, 10, ...; powers of ten alone where those are too many.
-    fn ticks(&self) -> Vec<f64> {
-        let decades = self.low.log10().floor() as i32..=self.high.log10().ceil() as i32;
-        let steps: &[f64] = if self.high / self.low > 200.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-        let at = |decade: i32, step: f64| match decade < 0 {
-            true => step / 10f64.powi(-decade),
-            false => step * 10f64.powi(decade),
-        };
-        let all = decades.flat_map(|d| steps.iter().map(move |s| at(d, *s)));
-        all.filter(|t| (self.low..=self.high).contains(t)).collect()
-    }
+/// 1, 2, 5, 10, ... between positive numbers; powers of ten alone where those are too many.
+pub fn ticks(low: f64, high: f64) -> Vec<f64> {
+    let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
+    let steps: &[f64] = if high / low > 200.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let at = |decade: i32, step: f64| match decade < 0 {
+        true => step / 10f64.powi(-decade),
+        false => step * 10f64.powi(decade),
+    };
+    let all = decades.flat_map(|d| steps.iter().map(move |s| at(d, *s)));
+    all.filter(|t| (low..=high).contains(t)).collect()
 }
 
 fn px(x: f64) -> String {

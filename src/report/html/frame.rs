@@ -38,7 +38,8 @@ impl Page<'_> {
     pub fn html(&self) -> String {
         let sections: Vec<&Section> =
             self.sections.iter().filter(|s| !s.body.0.is_empty()).collect();
-        let plots = sections.iter().any(|s| s.body.0.contains("class=\"plot"));
+        let mut shown = sections.iter().map(|s| &s.body).chain([&self.picture]);
+        let plots = shown.any(|markup| markup.0.contains("class=\"plot"));
         html! {
             (DOCTYPE)
             html lang="en" {
@@ -50,6 +51,7 @@ impl Page<'_> {
                     meta name="generator" content=(concat!("armtwin ", env!("CARGO_PKG_VERSION")));
                     title { (self.kind) }
                     style { (PreEscaped(include_str!("style.css"))) }
+                    noscript { style { ".plot { display: none; }" } }
                 }
                 body {
                     header id="answer" {

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::chart::{Chart, Row};
 use super::frame::{Fact, Page, Section, facts};
-use super::plot::{AFTER, BEFORE, Curve, MEASURED, Plot, key};
+use super::plot::{AFTER, BEFORE, Curve, Drawn, MEASURED, Plot, key, with_gaps};
 use super::table::table;
 use crate::identification::{JointEstimate, MethodResult, ParameterEstimate};
 use crate::report::to_uncertainty;
@@ -15,7 +15,7 @@ const MOST_POINTS: usize = 900;
 pub struct IdentificationReport<'a> {
     pub results: &'a [MethodResult],
     /// Of the last method's twin, on the recording it is judged by.
-    pub friction: &'a [FrictionCurve],
+    pub joints: &'a [JointCurves],
     /// What the last method found, line by line.
     pub found: &'a [String],
     /// Terms that were taken out, and why.
@@ -24,13 +24,21 @@ pub struct IdentificationReport<'a> {
     pub files: &'a [(&'a str, String)],
 }
 
-/// Torque less what moves the masses, N.m, at the samples used.
-pub struct FrictionCurve {
+/// One value per sample used.
+pub struct JointCurves {
     /// From 1 at the base.
     pub joint: usize,
+    /// In the recording, s.
+    pub time: Vec<f64>,
+    /// Between neighbouring samples, s; where they are further apart a stretch is left out.
+    pub step: f64,
+    /// rad
+    pub position: Vec<f64>,
     /// rad/s
     pub velocity: Vec<f64>,
+    /// Recorded torque less what moves the masses, N.m.
     pub measured: Vec<f64>,
+    /// The fitted twin's less the same, N.m.
     pub fitted: Vec<f64>,
 }
 
@@ -38,7 +46,8 @@ pub struct FrictionCurve {
 pub fn identification_report(report: &IdentificationReport<'_>) -> String {
     let mut sections = vec![
         Section::new("found", "What was found", lines(report.found)),
-        Section::new("friction", "Torque over speed", friction(report.friction)),
+        Section::new("friction", "Torque over speed", friction(report.joints)),
+        Section::new("residual", "What is left, and where", residuals(report.joints)),
     ];
     let methods = report.results.iter().rev();
     sections.extend(methods.zip(["parameters", "parameters-2", "parameters-3"]).map(|(m, id)| {
@@ -72,7 +81,7 @@ fn answer(report: &IdentificationReport<'_>) -> String {
     let checked = result.joints.iter().all(|j| j.check.is_some());
     let on = if checked { "a recording it was not fitted on" } else { "the recording itself" };
     format!(
-        "{} explains {:.1} % to {:.1} % of what the torques of the moving joints vary by, on {on}; \
+        "{} explains {:.2} % to {:.2} % of what the torques of the moving joints vary by, on {on}; \
          {sure} of {} parameters are determined by these data.",
         result.method.to_uppercase(),
         100.0 * low,
@@ -106,7 +115,7 @@ fn lines(lines: &[String]) -> Markup {
     html! { @for line in lines { p { (line) } } }
 }
 
-fn friction(curves: &[FrictionCurve]) -> Markup {
+fn friction(curves: &[JointCurves]) -> Markup {
     if curves.is_empty() {
         return html! {};
     }
@@ -117,16 +126,15 @@ fn friction(curves: &[FrictionCurve]) -> Markup {
     }
 }
 
-fn joint(c: &FrictionCurve) -> Markup {
-    let step = c.velocity.len().div_ceil(MOST_POINTS).max(1);
+/// So many points of all that a plot stays quick.
+fn points<'a>(name: &'a str, colour: &'static str, x: &[f64], y: &[f64]) -> Curve<'a> {
+    let step = x.len().div_ceil(MOST_POINTS).max(1);
     let thin = |values: &[f64]| values.iter().step_by(step).copied().collect::<Vec<f64>>();
-    let curve = |name, colour, y: &[f64]| Curve {
-        name,
-        colour,
-        x: thin(&c.velocity),
-        y: thin(y),
-        joined: false,
-    };
+    Curve { name, colour, x: thin(x), y: thin(y), drawn: Drawn::Points }
+}
+
+fn joint(c: &JointCurves) -> Markup {
+    let curve = |name, colour, y: &[f64]| points(name, colour, &c.velocity, y);
     Plot {
         title: format!("Joint {}", c.joint),
         across: "speed / (rad/s)",
@@ -135,10 +143,61 @@ fn joint(c: &FrictionCurve) -> Markup {
             curve("measured", MEASURED, &c.measured),
             curve("fitted twin", AFTER, &c.fitted),
         ],
-        bands: Vec::new(),
-        whole: false,
+        ..Plot::default()
     }
     .markup()
+}
+
+/// What the fitted twin leaves, joint by joint; the joint with most of it is open.
+fn residuals(joints: &[JointCurves]) -> Markup {
+    let left = |c: &JointCurves| -> Vec<f64> {
+        c.measured.iter().zip(&c.fitted).map(|(m, f)| m - f).collect()
+    };
+    let rms = |r: &[f64]| (r.iter().map(|x| x * x).sum::<f64>() / r.len().max(1) as f64).sqrt();
+    let worst = joints.iter().map(|c| rms(&left(c))).fold(0.0, f64::max);
+    html! {
+        @if !joints.is_empty() {
+            p {
+                "Recorded torque less the fitted twin's. A shape in it is an effect the twin lacks: "
+                code { "armtwin diagnose" }
+                " looks for its name."
+            }
+        }
+        @for c in joints {
+            @let residual = left(c);
+            details open[rms(&residual) >= worst] {
+                summary { "Joint " (c.joint) }
+                div.grid.two { (over_time(c, &residual)) (over_motion(c, &residual)) }
+            }
+        }
+    }
+}
+
+fn over_time(c: &JointCurves, residual: &[f64]) -> Markup {
+    let [x, y] = with_gaps(&c.time, residual, c.step, 2 * MOST_POINTS);
+    Plot {
+        title: "over time".into(),
+        across: "time in the recording / s",
+        up: "residual / N.m",
+        curves: vec![Curve { name: "left", colour: AFTER, x, y, drawn: Drawn::Joined }],
+        whole: true,
+        ..Plot::default()
+    }
+    .markup()
+}
+
+fn over_motion(c: &JointCurves, residual: &[f64]) -> Markup {
+    let plot = |title: &str, across, x: &[f64]| Plot {
+        title: title.into(),
+        across,
+        up: "residual / N.m",
+        curves: vec![points("left", AFTER, x, residual)],
+        ..Plot::default()
+    };
+    html! {
+        (plot("over speed", "speed / (rad/s)", &c.velocity).markup())
+        (plot("over angle", "angle / rad", &c.position).markup())
+    }
 }
 
 fn parameters(result: &MethodResult) -> Markup {

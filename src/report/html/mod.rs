@@ -13,6 +13,6 @@ mod tests;
 
 pub use diagnosis::{DiagnosisReport, diagnosis_report};
 pub use frame::{Fact, Page, Section};
-pub use identification::{FrictionCurve, IdentificationReport, identification_report};
+pub use identification::{IdentificationReport, JointCurves, identification_report};
 pub use motor::motor_report;
 pub use study::study_report;

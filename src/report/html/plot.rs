@@ -1,10 +1,11 @@
 //! Interactive plots: drawn in the reader's browser, in the page's colours.
 
 use maud::{Markup, PreEscaped, html};
-use plotly::common::{DashType, Font, Line, Marker, Mode, Title};
+use plotly::common::{DashType, ExponentFormat, Fill, Font, HoverInfo, Line, Marker, Mode, Title};
 use plotly::configuration::DisplayModeBar;
 use plotly::layout::{
-    Annotation, Axis, AxisRange, HoverMode, Margin, Shape, ShapeLayer, ShapeLine, ShapeType,
+    Annotation, Axis, AxisRange, AxisType, HoverMode, Margin, Shape, ShapeLayer, ShapeLine,
+    ShapeType,
 };
 use plotly::{Configuration, Layout, Scatter};
 
@@ -16,6 +17,21 @@ pub const BEFORE: &str = "--before";
 pub const AFTER: &str = "--after";
 pub const MEASURED: &str = "--measured";
 const REGIME: &str = "--regime";
+/// What has no role is told apart by these.
+pub const SERIES: [&str; 10] = [
+    "--series-1",
+    "--series-2",
+    "--series-3",
+    "--series-4",
+    "--series-5",
+    "--series-6",
+    "--series-7",
+    "--series-8",
+    "--series-9",
+    "--series-10",
+];
+/// What should be.
+pub const NOMINAL: &str = "--ink";
 
 /// One set of points.
 pub struct Curve<'a> {
@@ -23,8 +39,34 @@ pub struct Curve<'a> {
     pub colour: &'static str,
     pub x: Vec<f64>,
     pub y: Vec<f64>,
-    /// Joined, with gaps where a value is not a number; else points.
-    pub joined: bool,
+    pub drawn: Drawn,
+}
+
+/// How a curve is drawn. Lines have gaps where a value is not a number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Drawn {
+    Points,
+    Joined,
+    /// Few points, joined.
+    Marked,
+    Dashed,
+}
+
+/// An area in a curve's colour, below the curves: its interval.
+pub struct Area {
+    pub colour: &'static str,
+    /// (x, y) once around.
+    pub outline: Vec<(f64, f64)>,
+}
+
+/// How numbers stand along an axis; plainly, as far as the points go, by default.
+#[derive(Default)]
+pub struct Scale {
+    pub log: bool,
+    /// First and last number.
+    pub range: Option<[f64; 2]>,
+    /// What is written where, in place of numbers.
+    pub ticks: Vec<(f64, String)>,
 }
 
 /// An interval on the horizontal axis.
@@ -34,12 +76,16 @@ pub struct Band {
     pub to: f64,
 }
 
+#[derive(Default)]
 pub struct Plot<'a> {
     pub title: String,
     pub across: &'a str,
     pub up: &'a str,
     pub curves: Vec<Curve<'a>>,
+    pub areas: Vec<Area>,
     pub bands: Vec<Band>,
+    /// Across and up.
+    pub scales: [Scale; 2],
     /// Over the whole width of the page, and lower.
     pub whole: bool,
 }
@@ -58,6 +104,9 @@ pub fn key(entries: &[(&str, &str)]) -> Markup {
 impl Plot<'_> {
     pub fn markup(&self) -> Markup {
         let mut plot = plotly::Plot::new();
+        for area in &self.areas {
+            plot.add_trace(area.trace());
+        }
         for curve in &self.curves {
             plot.add_trace(curve.trace());
         }
@@ -77,59 +126,96 @@ impl Plot<'_> {
     }
 
     fn layout(&self) -> Layout {
-        let axis = |title: &str| {
-            let font = Font::new().size(11).color("--quiet");
-            Axis::new()
-                .title(Title::with_text(title).font(font))
-                .grid_color("--line")
-                .zero_line_color("--line")
-                .line_color("--line")
-                .auto_margin(true)
-        };
-        let across = match self.extent() {
-            Some([low, high]) => axis(self.across).range(AxisRange::new(low, high)),
-            None => axis(self.across),
-        };
+        let [across, up] = &self.scales;
         let title = Font::new().size(13).color("--ink");
         Layout::new()
             .title(Title::with_text(&self.title).font(title).x(0.0))
             .font(Font::new().size(11).color("--ink"))
             .paper_background_color("rgba(0,0,0,0)")
             .plot_background_color("rgba(0,0,0,0)")
-            .margin(Margin::new().left(48).right(8).top(34).bottom(40))
+            .margin(Margin::new().left(48).right(16).top(34).bottom(40))
             .show_legend(false)
             .hover_mode(HoverMode::Closest)
-            .x_axis(across)
-            .y_axis(axis(self.up))
+            .x_axis(across.axis(self.across, across.range.or_else(|| self.extent())))
+            .y_axis(up.axis(self.up, up.range))
             .shapes(self.bands.iter().map(Band::shape).collect())
             .annotations(
                 self.bands.iter().filter(|b| !b.name.is_empty()).map(Band::label).collect(),
             )
     }
 
-    /// Of the points, so that bands do not widen the plot.
+    /// Of the points, so that bands do not widen the plot; as the library counts along the axis.
     fn extent(&self) -> Option<[f64; 2]> {
-        let values = self.curves.iter().flat_map(|c| &c.x).filter(|x| x.is_finite());
+        let values = self.curves.iter().flat_map(|c| &c.x).map(|x| self.scales[0].place(*x));
         let (low, high) = values
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+            .filter(|x| x.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         let room = 0.02 * (high - low);
         (high > low).then(|| [rounded(low - room), rounded(high + room)])
     }
 }
 
+impl Scale {
+    /// Where the library has a number along the axis.
+    fn place(&self, x: f64) -> f64 {
+        if self.log { x.log10() } else { x }
+    }
+
+    fn axis(&self, title: &str, range: Option<[f64; 2]>) -> Axis {
+        let font = Font::new().size(11).color("--quiet");
+        let mut axis = Axis::new()
+            .title(Title::with_text(title).font(font))
+            .grid_color("--line")
+            .zero_line_color("--line")
+            .line_color("--line")
+            .exponent_format(ExponentFormat::SmallE)
+            .auto_margin(true);
+        if self.log {
+            axis = axis.type_(AxisType::Log);
+        }
+        if let Some([low, high]) = range {
+            axis = axis.range(AxisRange::new(low, high));
+        }
+        if !self.ticks.is_empty() {
+            let (at, text) = self.ticks.iter().cloned().unzip();
+            axis = axis.tick_values(at).tick_text(text);
+        }
+        axis
+    }
+}
+
+/// A trace of short numbers.
+fn scatter(points: impl Iterator<Item = (f64, f64)>) -> Box<Scatter<f64, f64>> {
+    let (x, y): (Vec<f64>, Vec<f64>) = points.map(|(x, y)| (rounded(x), rounded(y))).unzip();
+    Scatter::new(x, y)
+}
+
 impl Curve<'_> {
     fn trace(&self) -> Box<Scatter<f64, f64>> {
-        let short = |values: &[f64]| values.iter().copied().map(rounded).collect::<Vec<f64>>();
-        let trace = Scatter::new(short(&self.x), short(&self.y)).name(self.name);
-        match self.joined {
-            true => trace
-                .mode(Mode::Lines)
-                .connect_gaps(false)
-                .line(Line::new().width(1.2).color(self.colour)),
-            false => trace
-                .mode(Mode::Markers)
-                .marker(Marker::new().size(4).opacity(0.55).color(self.colour)),
+        let points = self.x.iter().copied().zip(self.y.iter().copied());
+        let trace = scatter(points).name(self.name).connect_gaps(false);
+        let line = Line::new().color(self.colour);
+        let marker = Marker::new().color(self.colour);
+        match self.drawn {
+            Drawn::Points => trace.mode(Mode::Markers).marker(marker.size(4).opacity(0.55)),
+            Drawn::Joined => trace.mode(Mode::Lines).line(line.width(1.2)),
+            Drawn::Marked => {
+                trace.mode(Mode::LinesMarkers).line(line.width(1.6)).marker(marker.size(5))
+            }
+            Drawn::Dashed => trace.mode(Mode::Lines).line(line.width(1.0).dash(DashType::Dash)),
         }
+    }
+}
+
+impl Area {
+    fn trace(&self) -> Box<Scatter<f64, f64>> {
+        scatter(self.outline.iter().copied())
+            .mode(Mode::Lines)
+            .line(Line::new().width(2.0).color(self.colour))
+            .fill(Fill::ToSelf)
+            .fill_color(self.colour)
+            .opacity(0.18)
+            .hover_info(HoverInfo::Skip)
     }
 }
 
@@ -178,6 +264,27 @@ pub fn thinned(x: &[f64], y: &[f64], places: usize) -> [Vec<f64>; 2] {
     let mut kept: Vec<usize> = kept.collect();
     kept.dedup();
     [x, y].map(|series| kept.iter().map(|k| series[*k]).collect())
+}
+
+/// Rows in order of time, a NaN where some are further apart than `step`; of every so many one, so that
+/// `most` are left.
+pub fn with_gaps(time: &[f64], y: &[f64], step: f64, most: usize) -> [Vec<f64>; 2] {
+    let stride = time.len().div_ceil(most).max(1);
+    let mut out = [Vec::new(), Vec::new()];
+    let mut last: Option<f64> = None;
+    for (k, (&t, &y)) in time.iter().zip(y).enumerate() {
+        let gap = last.is_some_and(|last| t - last > 1.5 * step);
+        if gap {
+            out[0].push(t);
+            out[1].push(f64::NAN);
+        }
+        if gap || k % stride == 0 {
+            out[0].push(t);
+            out[1].push(y);
+        }
+        last = Some(t);
+    }
+    out
 }
 
 /// To [`DIGITS`] digits.

@@ -3,7 +3,7 @@
 use maud::html;
 
 use super::frame::{Page, Section};
-use super::plot::{AFTER, Band, Curve, Plot, rounded, thinned};
+use super::plot::{AFTER, Band, Curve, Drawn, Plot, rounded, thinned, with_gaps};
 
 fn page(body: maud::Markup) -> String {
     let sections = vec![Section::new("one", "One", body), Section::new("two", "Two", html! {})];
@@ -17,9 +17,15 @@ fn plot(name: &str) -> Plot<'_> {
         title: "t".into(),
         across: "x",
         up: "y",
-        curves: vec![Curve { name, colour: AFTER, x: vec![0.0, 1.0, 2.0], y, joined: true }],
+        curves: vec![Curve {
+            name,
+            colour: AFTER,
+            x: vec![0.0, 1.0, 2.0],
+            y,
+            drawn: Drawn::Joined,
+        }],
         bands: vec![Band { name: "slow".into(), from: 0.5, to: 1.5 }],
-        whole: false,
+        ..Plot::default()
     }
 }
 
@@ -66,4 +72,10 @@ fn thinning_keeps_peaks_where_they_are() {
         assert_eq!(values[place], value);
     }
     assert_eq!(thinned(&x[..50], &y[..50], 100), [x[..50].to_vec(), y[..50].to_vec()]);
+}
+
+#[test]
+fn lines_end_where_rows_are_left_out() {
+    let [x, y] = with_gaps(&[0.0, 0.1, 0.2, 1.0, 1.1], &[1.0; 5], 0.1, 100);
+    assert_eq!((x.len(), y.iter().position(|y| y.is_nan())), (6, Some(3)));
 }

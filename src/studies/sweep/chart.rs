@@ -4,6 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::panel::{Figure, Panel, Scale};
 use crate::studies::StudyError;
 
 const PANEL: (u32, u32) = (400, 260);
@@ -20,56 +21,21 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(20, 150, 160),
 ];
 
-#[derive(Debug, Clone, Default)]
-pub struct Line {
-    /// Lines of one name have one colour in all panels.
-    pub label: String,
-    pub points: Vec<(f64, f64)>,
-    /// (x, low, high)
-    pub band: Vec<(f64, f64, f64)>,
-}
-
-/// How numbers stand along an axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Scale {
-    Linear,
-    Log,
-    /// dB; infinite ones stand right of the others as "none".
-    Decibel,
-    /// 0 to 100 %
-    Share,
-}
-
-#[derive(Debug, Clone)]
-pub struct Panel {
-    pub title: String,
-    pub across: (&'static str, Scale),
-    pub up: (&'static str, Scale),
-    pub lines: Vec<Line>,
-    /// A dashed line: what should be.
-    pub nominal: Vec<(f64, f64)>,
-}
-
 fn failed(e: impl std::fmt::Display) -> StudyError {
     StudyError::Table(format!("a plot cannot be drawn: {e}"))
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Panels in rows of `columns`.
+/// Panels in rows, all of one size.
 ///
 /// # Errors
 /// If the plotting library refuses.
-pub fn draw(panels: &[Panel], columns: usize) -> Result<String, StudyError> {
-    let rows = panels.len().div_ceil(columns).max(1);
-    let columns = columns.min(panels.len()).max(1);
+pub fn draw(figure: &Figure) -> Result<String, StudyError> {
+    let columns = figure.columns.min(figure.panels.len()).max(1);
+    let rows = figure.panels.len().div_ceil(columns).max(1);
     let width = PANEL.0 * columns as u32;
-    let mut labels: Vec<&str> = Vec::new();
-    for label in panels.iter().flat_map(|p| &p.lines).map(|l| l.label.as_str()) {
-        if !labels.contains(&label) {
-            labels.push(label);
-        }
-    }
+    let labels = figure.labels();
     let places = placed(&labels, width);
     let top = LEGEND_HEIGHT * places.last().map_or(1, |p| p.1 + 1);
     let size = (width, PANEL.1 * rows as u32 + top);
@@ -79,8 +45,8 @@ pub fn draw(panels: &[Panel], columns: usize) -> Result<String, StudyError> {
         root.fill(&WHITE).map_err(failed)?;
         let (top, below) = root.split_vertically(top);
         legend(&top, &labels, &places)?;
-        for (panel, area) in panels.iter().zip(below.split_evenly((rows, columns))) {
-            panel.draw(&area, &labels)?;
+        for (panel, area) in figure.panels.iter().zip(below.split_evenly((rows, columns))) {
+            draw_panel(panel, &area, &labels)?;
         }
         root.present().map_err(failed)?;
     }
@@ -118,22 +84,12 @@ fn colour(k: usize) -> RGBColor {
     COLOURS[k % COLOURS.len()]
 }
 
-impl Scale {
-    fn place(self, x: f64, none: f64) -> f64 {
-        match self {
-            Self::Log => x.max(1e-12).log10(),
-            Self::Share => 100.0 * x,
-            Self::Decibel if x.is_infinite() => none,
-            _ => x,
-        }
-    }
-
-    fn text(self, x: f64, none: f64) -> String {
-        match self {
-            Self::Log => digits(rounded(10f64.powf(x))),
-            Self::Decibel if (x - none).abs() < 1e-6 => "none".into(),
-            _ => digits(x),
-        }
+/// What stands at a place along an axis.
+fn text(scale: Scale, x: f64, none: f64) -> String {
+    match scale {
+        Scale::Log => digits(rounded(10f64.powf(x))),
+        Scale::Decibel if (x - none).abs() < 1e-6 => "none".into(),
+        _ => digits(x),
     }
 }
 
@@ -159,60 +115,58 @@ pub fn digits(x: f64) -> String {
     }
 }
 
-impl Panel {
-    fn draw(&self, area: &Area<'_>, labels: &[&str]) -> Result<(), StudyError> {
-        let all = || self.lines.iter().flat_map(|l| &l.points).chain(&self.nominal);
-        let finite = all().map(|p| p.0).filter(|x| x.is_finite());
-        let none = finite.fold(0.0, f64::max) + 10.0;
-        let (sx, sy) = (self.across.1, self.up.1);
-        let place = |p: (f64, f64)| (sx.place(p.0, none), sy.place(p.1, none));
-        let x = range(all().map(|p| place(*p).0), 0.03);
-        let bands = self.lines.iter().flat_map(|l| &l.band);
-        let edges = bands.flat_map(|b| [sy.place(b.1, none), sy.place(b.2, none)]);
-        let y = match sy {
-            Scale::Share => -3.0..103.0,
-            _ => range(all().map(|p| place(*p).1).chain(edges), 0.06),
-        };
-        let mut chart = ChartBuilder::on(area)
-            .caption(&self.title, ("sans-serif", 14))
-            .margin(8)
-            .x_label_area_size(36)
-            .y_label_area_size(52)
-            .build_cartesian_2d(x, y)
-            .map_err(failed)?;
-        chart
-            .configure_mesh()
-            .light_line_style(WHITE)
-            .bold_line_style(RGBColor(225, 225, 225))
-            .x_labels(8)
-            .y_labels(6)
-            .x_desc(self.across.0)
-            .y_desc(self.up.0)
-            .x_label_formatter(&|x| sx.text(*x, none))
-            .y_label_formatter(&|y| sy.text(*y, none))
-            .label_style(("sans-serif", 11))
-            .draw()
-            .map_err(failed)?;
-        for line in &self.lines {
-            let colour = colour(labels.iter().position(|l| *l == line.label).unwrap_or(0));
-            let low = line.band.iter().map(|b| place((b.0, b.1)));
-            let high = line.band.iter().rev().map(|b| place((b.0, b.2)));
-            let outline: Vec<(f64, f64)> = low.chain(high).collect();
-            if !outline.is_empty() {
-                let band = Polygon::new(outline, colour.mix(0.15).filled());
-                chart.draw_series(std::iter::once(band)).map_err(failed)?;
-            }
-            let points: Vec<(f64, f64)> = line.points.iter().map(|p| place(*p)).collect();
-            let dots = points.iter().map(|p| Circle::new(*p, 2, colour.filled()));
-            chart.draw_series(dots).map_err(failed)?;
-            let stroke = colour.stroke_width(2);
-            chart.draw_series(LineSeries::new(points, stroke)).map_err(failed)?;
+fn draw_panel(panel: &Panel, area: &Area<'_>, labels: &[&str]) -> Result<(), StudyError> {
+    let none = panel.none();
+    let (sx, sy) = (panel.across.1, panel.up.1);
+    let [x, y] = ranges(panel);
+    let mut chart = ChartBuilder::on(area)
+        .caption(&panel.title, ("sans-serif", 14))
+        .margin(8)
+        .x_label_area_size(36)
+        .y_label_area_size(52)
+        .build_cartesian_2d(x, y)
+        .map_err(failed)?;
+    chart
+        .configure_mesh()
+        .light_line_style(WHITE)
+        .bold_line_style(RGBColor(225, 225, 225))
+        .x_labels(8)
+        .y_labels(6)
+        .x_desc(panel.across.0)
+        .y_desc(panel.up.0)
+        .x_label_formatter(&|x| text(sx, *x, none))
+        .y_label_formatter(&|y| text(sy, *y, none))
+        .label_style(("sans-serif", 11))
+        .draw()
+        .map_err(failed)?;
+    for line in &panel.lines {
+        let colour = colour(labels.iter().position(|l| *l == line.label).unwrap_or(0));
+        let outline = panel.outline(line);
+        if !outline.is_empty() {
+            let band = Polygon::new(outline, colour.mix(0.15).filled());
+            chart.draw_series(std::iter::once(band)).map_err(failed)?;
         }
-        let nominal = self.nominal.iter().map(|p| place(*p));
-        let dashed = DashedLineSeries::new(nominal, 5, 4, BLACK.stroke_width(1));
-        chart.draw_series(dashed).map_err(failed)?;
-        Ok(())
+        let points = panel.placed(&line.points);
+        let dots = points.iter().map(|p| Circle::new(*p, 2, colour.filled()));
+        chart.draw_series(dots).map_err(failed)?;
+        let stroke = colour.stroke_width(2);
+        chart.draw_series(LineSeries::new(points, stroke)).map_err(failed)?;
     }
+    let nominal = panel.placed(&panel.nominal);
+    let dashed = DashedLineSeries::new(nominal, 5, 4, BLACK.stroke_width(1));
+    chart.draw_series(dashed).map_err(failed)?;
+    Ok(())
+}
+
+fn ranges(panel: &Panel) -> [std::ops::Range<f64>; 2] {
+    let points = panel.lines.iter().map(|l| &l.points).chain([&panel.nominal]);
+    let points: Vec<(f64, f64)> = points.flat_map(|points| panel.placed(points)).collect();
+    let edges = panel.lines.iter().flat_map(|line| panel.outline(line)).map(|p| p.1);
+    let y = match panel.up.1 {
+        Scale::Share => -3.0..103.0,
+        _ => range(points.iter().map(|p| p.1).chain(edges), 0.06),
+    };
+    [range(points.iter().map(|p| p.0), 0.03), y]
 }
 
 /// From least to greatest, `more` of the span added at both ends.
@@ -229,6 +183,7 @@ fn range(values: impl Iterator<Item = f64>, more: f64) -> std::ops::Range<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::panel::Line;
     use super::*;
 
     #[test]
@@ -245,7 +200,9 @@ mod tests {
             lines,
             nominal: vec![(10.0, 0.99), (20.0, 0.99)],
         };
-        let svg = draw(&[panel(vec![line("a"), line("b")]), panel(vec![])], 2).unwrap();
+        let panels = vec![panel(vec![line("a"), line("b")]), panel(vec![])];
+        let figure = Figure { file: "f.svg".into(), caption: "c".into(), panels, columns: 2 };
+        let svg = draw(&figure).unwrap();
         assert!(svg.starts_with("<svg") && svg.contains("none") && svg.contains("SNR, dB"));
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
     }

@@ -15,6 +15,7 @@ mod diagnosis;
 mod grid;
 mod identification;
 mod motor;
+mod panel;
 mod parquet_file;
 mod run;
 mod stopwatch;
@@ -25,6 +26,7 @@ mod table;
 
 pub use alone::{Part, Spent, cell};
 pub use grid::{Cell, Method, Snr, System};
+pub use panel::{Figure, Line, Panel, Scale};
 pub use run::{Alone, Ran, run};
 pub use store::{Shard, Store, merge, tables};
 pub use study::{Question, Study};

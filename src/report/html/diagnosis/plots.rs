@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::super::plot::{AFTER, BEFORE, Band, Curve, MEASURED, Plot, key};
+use super::super::plot::{AFTER, BEFORE, Band, Curve, Drawn, MEASURED, Plot, key, with_gaps};
 use crate::diagnosis::{Diagnosis, JointTraces, Traces};
 
 /// Points of a curve at most.
@@ -40,7 +40,7 @@ fn joint_friction(t: &JointTraces) -> Markup {
         up: "torque / N.m",
         curves,
         bands: bands(t, &t.velocity, &["slow"]),
-        whole: false,
+        ..Plot::default()
     }
     .markup()
 }
@@ -71,8 +71,8 @@ fn over_time(t: &JointTraces, step: f64) -> Markup {
     let mut bands = time_bands(t, t.held("reversal").unwrap_or(&[]), step, "");
     bands.extend(time_bands(t, &t.contact, step, "contact"));
     let curve = |name, colour, y: &[f64]| {
-        let [x, y] = with_gaps(&t.time, y, step);
-        Curve { name, colour, x, y, joined: true }
+        let [x, y] = with_gaps(&t.time, y, step, 2 * MOST_POINTS);
+        Curve { name, colour, x, y, drawn: Drawn::Joined }
     };
     Plot {
         title: "over time (shaded: after a reversal)".into(),
@@ -81,6 +81,7 @@ fn over_time(t: &JointTraces, step: f64) -> Markup {
         curves: both(t, curve),
         bands,
         whole: true,
+        ..Plot::default()
     }
     .markup()
 }
@@ -109,7 +110,7 @@ fn over_all(t: &JointTraces) -> Markup {
                     up: "residual / N.m",
                     curves: both(t, |name, colour, y| points(name, colour, &kept, x, y)),
                     bands: bands(t, x, regimes),
-                    whole: false,
+                    ..Plot::default()
                 }
                 .markup())
             }
@@ -137,31 +138,11 @@ fn points<'a>(
     y: &[f64],
 ) -> Curve<'a> {
     let take = |values: &[f64]| kept.iter().map(|&k| values[k]).collect();
-    Curve { name, colour, x: take(x), y: take(y), joined: false }
+    Curve { name, colour, x: take(x), y: take(y), drawn: Drawn::Points }
 }
 
 fn thinned(rows: usize) -> Vec<usize> {
     (0..rows).step_by(rows.div_ceil(MOST_POINTS).max(1)).collect()
-}
-
-/// Rows in order of time, a NaN where some are left out; thinned by leaving out every so many.
-fn with_gaps(time: &[f64], y: &[f64], step: f64) -> [Vec<f64>; 2] {
-    let stride = time.len().div_ceil(2 * MOST_POINTS).max(1);
-    let mut out = [Vec::new(), Vec::new()];
-    let mut last: Option<f64> = None;
-    for (k, (&t, &y)) in time.iter().zip(y).enumerate() {
-        let gap = last.is_some_and(|last| t - last > 1.5 * step);
-        if gap {
-            out[0].push(t);
-            out[1].push(f64::NAN);
-        }
-        if gap || k % stride == 0 {
-            out[0].push(t);
-            out[1].push(y);
-        }
-        last = Some(t);
-    }
-    out
 }
 
 /// Stretches of time where `held`.
@@ -232,7 +213,5 @@ mod tests {
         let ends: Vec<[f64; 2]> = found.iter().map(|b| [b.from, b.to]).collect();
         assert_eq!(ends.len(), 2);
         assert!((ends[0][1] - 0.25).abs() < 1e-9 && (ends[1][0] - 0.95).abs() < 1e-9, "{ends:?}");
-        let [x, y] = with_gaps(&t.time, &[1.0; 5], 0.1);
-        assert_eq!((x.len(), y.iter().filter(|y| y.is_nan()).count()), (6, 1));
     }
 }

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 use super::chart::{Chart, Row};
 use super::frame::{Fact, Page, Section, facts};
-use super::plot::{AFTER, BEFORE, Curve, MEASURED, Plot, key};
+use super::plot::{AFTER, BEFORE, Curve, Drawn, MEASURED, Plot, key};
 use super::table::table;
 use crate::motor::model::{COUNT, Motor};
 use crate::motor::render::{self, Grid};
@@ -119,7 +119,8 @@ fn friction(r: &ScenarioReport, top: f64) -> Markup {
     let values = |m: &MethodReport| std::array::from_fn(|k| m.parameters[k].value);
     let Some(first) = r.methods.first() else { return html! {} };
     let truth = std::array::from_fn(|k| first.parameters[k].truth);
-    let curve = |name, colour, y| Curve { name, colour, x: speeds.clone(), y, joined: true };
+    let drawn = Drawn::Joined;
+    let curve = |name, colour, y| Curve { name, colour, x: speeds.clone(), y, drawn };
     let mut curves = vec![curve("truth", MEASURED, law(truth))];
     let mut names = vec![("truth", MEASURED)];
     for (m, colour) in r.methods.iter().zip(COLOURS) {
@@ -131,8 +132,8 @@ fn friction(r: &ScenarioReport, top: f64) -> Markup {
         across: "speed / (rad/s)",
         up: "torque / N.m",
         curves,
-        bands: Vec::new(),
         whole: true,
+        ..Plot::default()
     };
     html! { (key(&names)) div.grid { (plot.markup()) } }
 }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::super::plot::{Curve, MEASURED, Plot, key, thinned};
+use super::super::plot::{Curve, Drawn, MEASURED, Plot, key, thinned};
 use super::COLOURS;
 use crate::motor::series::{Series, Signals};
 
@@ -67,10 +67,10 @@ fn errors(s: &Series, of: fn(&Signals) -> &[f64]) -> Vec<Curve<'_>> {
 
 fn line<'a>(s: &Series, name: &'a str, colour: &'static str, y: &[f64]) -> Curve<'a> {
     let [x, y] = thinned(&s.time, y, PLACES);
-    Curve { name, colour, x, y, joined: true }
+    Curve { name, colour, x, y, drawn: Drawn::Joined }
 }
 
 fn plot(title: &str, unit: &str, whole: bool, curves: Vec<Curve<'_>>) -> Markup {
     let title = title.to_string();
-    Plot { title, across: "time / s", up: unit, curves, bands: Vec::new(), whole }.markup()
+    Plot { title, across: "time / s", up: unit, curves, whole, ..Plot::default() }.markup()
 }

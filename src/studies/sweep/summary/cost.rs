@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::seen::in_order;
 use super::{Page, distinct, quantile};
 use crate::report::markdown_table;
-use crate::studies::StudyError;
-use crate::studies::sweep::chart::{Line, Panel, Scale, digits, draw};
+use crate::studies::sweep::chart::digits;
+use crate::studies::sweep::panel::{Figure, Line, Panel, Scale};
 use crate::studies::sweep::study::Study;
 use crate::studies::sweep::table::Table;
 
@@ -33,9 +33,7 @@ struct Growth {
     points: Vec<(f64, f64, f64)>,
 }
 
-/// # Errors
-/// If a plot cannot be drawn.
-pub fn page(study: &Study, cells: &Table, timings: &Table) -> Result<Page, StudyError> {
+pub fn page(study: &Study, cells: &Table, timings: &Table) -> Page {
     let costs = costs(cells, timings);
     let mut growths = Vec::new();
     let mut before = 0;
@@ -67,9 +65,15 @@ pub fn page(study: &Study, cells: &Table, timings: &Table) -> Result<Page, Study
         "MB, first",
         "MB, last",
     ];
+    let figure = |name: &str, panels| Figure {
+        file: format!("{}.svg", name.to_lowercase()),
+        caption: name.into(),
+        panels,
+        columns: 3,
+    };
     let figures = vec![
-        ("time.svg".to_string(), draw(&panels(&growths, "s", |p| p.1), 3)?),
-        ("memory.svg".to_string(), draw(&panels(&growths, "MB", |p| p.2), 3)?),
+        figure("Time", panels(&growths, "s", |p| p.1)),
+        figure("Memory", panels(&growths, "MB", |p| p.2)),
     ];
     let text = format!(
         "{says}\nTime is processor time of the method's own work, median over seeds; memory is the \
@@ -78,7 +82,7 @@ pub fn page(study: &Study, cells: &Table, timings: &Table) -> Result<Page, Study
          ![Memory](memory.svg)\n",
         markdown_table(&header, 2, &rows)
     );
-    Ok(Page { text, figures })
+    Page { text, picture: figures[0].panels.first().cloned(), figures }
 }
 
 /// By cell.
@@ -124,9 +128,10 @@ fn along(axis: &'static str, grid: usize, costs: &[&Cost]) -> Vec<Growth> {
 }
 
 impl Growth {
-    /// Slope of ln time over ln x.
+    /// Slope of ln time over ln x; NaN where less than two times are longer than the clock's step.
     fn exponent(&self) -> f64 {
-        let logs: Vec<(f64, f64)> = self.points.iter().map(|p| (p.0.ln(), p.1.ln())).collect();
+        let measured = self.points.iter().filter(|p| p.1 > 0.0);
+        let logs: Vec<(f64, f64)> = measured.map(|p| (p.0.ln(), p.1.ln())).collect();
         let n = logs.len() as f64;
         let (mx, my) =
             (logs.iter().map(|l| l.0).sum::<f64>() / n, logs.iter().map(|l| l.1).sum::<f64>() / n);
@@ -154,7 +159,7 @@ impl Growth {
         let numbers = [first.0, last.0, first.1, last.1];
         let mut row = vec![self.method.clone(), self.axis.to_string()];
         row.extend(numbers.map(digits));
-        row.push(format!("{:.2}", self.exponent()));
+        row.push(told(self.exponent()));
         row.extend([first.2, last.2].map(|mb| format!("{mb:.0}")));
         row
     }
@@ -163,19 +168,21 @@ impl Growth {
         let [first, last] = self.ends();
         let exponent = self.exponent();
         let how = match exponent {
+            e if e.is_nan() => "is too quick to tell how it grows with",
             e if e < 0.25 => "hardly grows with",
             e if e < 0.8 => "grows more slowly than",
             e if e < 1.25 => "grows in proportion to",
             _ => "grows faster than",
         };
         format!(
-            "**{}** {how} {}: {} s at {}, {} s at {} (exponent {exponent:.2}){}; memory {:.0} to {:.0} MB.",
+            "**{}** {how} {}: {} s at {}, {} s at {} (exponent {}){}; memory {:.0} to {:.0} MB.",
             self.method,
             self.axis,
             digits(first.1),
             digits(first.0),
             digits(last.1),
             digits(last.0),
+            told(exponent),
             self.steeper(),
             first.2,
             last.2
@@ -183,11 +190,16 @@ impl Growth {
     }
 }
 
+/// An exponent to two digits after the point.
+fn told(exponent: f64) -> String {
+    if exponent.is_nan() { "-".into() } else { format!("{exponent:.2}") }
+}
+
 /// One per axis and grid.
 fn panels(growths: &[Growth], up: &'static str, of: fn(&(f64, f64, f64)) -> f64) -> Vec<Panel> {
     let mut panels: Vec<(usize, Panel)> = Vec::new();
     for growth in growths {
-        let points = growth.points.iter().map(|p| (p.0, of(p))).collect();
+        let points = growth.points.iter().map(|p| (p.0, of(p))).filter(|p| p.1 > 0.0).collect();
         let line = Line { label: growth.method.clone(), points, band: Vec::new() };
         let key = |(grid, panel): &&mut (usize, Panel)| {
             *grid == growth.grid && panel.across.0 == growth.axis

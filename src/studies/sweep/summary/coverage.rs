@@ -6,8 +6,7 @@ use super::{decibel, listed, over_snr, percent, quantile};
 use crate::identification::LEVEL;
 use crate::report::markdown_table;
 use crate::statistics::{normal_quantile, normal_two_sided};
-use crate::studies::StudyError;
-use crate::studies::sweep::chart::{Line, Panel, Scale, draw};
+use crate::studies::sweep::panel::{Line, Panel, Scale};
 
 /// Intervals that hold the truth less often than this, of 99 % ones, lie.
 const LIE: f64 = 0.95;
@@ -56,7 +55,7 @@ fn counted<'a>(part: &Part<'a>, method: &str) -> Vec<&'a Seen> {
     given(part, method).into_iter().filter(|r| !r.noiseless()).collect()
 }
 
-pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
+pub fn chapter(part: &Part<'_>) -> Chapter {
     let mut rows = Vec::new();
     let mut verdicts: [Vec<String>; 4] = Default::default();
     let mut refused = Vec::new();
@@ -91,7 +90,7 @@ pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
     let by_snr: Vec<Vec<String>> = part.methods.iter().flat_map(|m| over(part, m)).collect();
     let mut panels: Vec<Panel> = part.methods.iter().map(|m| panel(part, m)).collect();
     panels.extend(part.methods.iter().map(|m| against_nominal(part, m)));
-    Ok(Chapter {
+    Chapter {
         name: "coverage",
         says: format!("{}{}{}", says(&verdicts), none_given(&refused), weakest(part)),
         text: format!(
@@ -104,8 +103,9 @@ pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
             over_snr("hold the truth", &part.snrs, &by_snr)
         ),
         caption: "Coverage over SNR (top) and against the nominal level (bottom)".into(),
-        svg: draw(&panels, part.methods.len())?,
-    })
+        panels,
+        columns: part.methods.len(),
+    }
 }
 
 fn says([keep, narrow, lie, open]: &[Vec<String>; 4]) -> String {

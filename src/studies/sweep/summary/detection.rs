@@ -3,8 +3,7 @@
 use super::identification::{Chapter, Part};
 use super::seen::{ALPHA, CONVENTIONS, Seen, in_order};
 use super::{decibel, down_to, listed, over_snr, percent};
-use crate::studies::StudyError;
-use crate::studies::sweep::chart::{Line, Panel, Scale, draw};
+use crate::studies::sweep::panel::{Line, Panel, Scale};
 
 /// A term counts as found where it is in so many of the cases.
 const FOUND: f64 = 0.95;
@@ -20,7 +19,7 @@ fn share(rows: &[&Seen], rule: usize) -> f64 {
     rows.iter().filter(|r| told(r, rule)).count() as f64 / rows.len() as f64
 }
 
-pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
+pub fn chapter(part: &Part<'_>) -> Chapter {
     let main = part.main();
     let terms: Vec<&Seen> = part.of(main).filter(|r| r.is_term()).collect();
     let (present, absent): (Vec<&Seen>, Vec<&Seen>) = terms.iter().partition(|r| r.truth != 0.0);
@@ -56,7 +55,7 @@ pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
         lines,
         nominal: part.snrs.iter().map(|db| (*db, nominal)).collect(),
     };
-    let panels = [
+    let panels = vec![
         panel(
             format!("found by {main}, robust test"),
             labels.iter().map(|l| line(l, &|db| found(l, db, 0))).collect(),
@@ -74,7 +73,7 @@ pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
         .collect();
     let counted: Vec<&Seen> = absent.iter().copied().filter(|r| !r.noiseless()).collect();
     let rates: Vec<f64> = (0..RULES.len()).map(|rule| share(&counted, rule)).collect();
-    Ok(Chapter {
+    Chapter {
         name: "detection",
         says: format!("{} {}", limits_in_words(part, &limits), rates_in_words(&rates)),
         text: format!(
@@ -87,8 +86,9 @@ pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
             over_snr("rule", &part.snrs, &false_rows)
         ),
         caption: "Terms found over SNR, and terms found that are not there".into(),
-        svg: draw(&panels, 2)?,
-    })
+        panels,
+        columns: 2,
+    }
 }
 
 fn limits_in_words(part: &Part<'_>, limits: &[(String, Option<f64>)]) -> String {

@@ -3,8 +3,7 @@
 use super::seen::in_order;
 use super::{Page, decibel, distinct, down_to, listed, over_snr, percent};
 use crate::report::markdown_table;
-use crate::studies::StudyError;
-use crate::studies::sweep::chart::{Line, Panel, Scale, draw};
+use crate::studies::sweep::panel::{Figure, Line, Panel, Scale};
 use crate::studies::sweep::study::NO_EFFECT;
 use crate::studies::sweep::table::Table;
 
@@ -46,9 +45,7 @@ fn share(cases: &[&Case], which: impl Fn(&Case) -> bool) -> f64 {
     cases.iter().filter(|c| which(c)).count() as f64 / cases.len() as f64
 }
 
-/// # Errors
-/// If a plot cannot be drawn.
-pub fn page(cells: &Table) -> Result<Page, StudyError> {
+pub fn page(cells: &Table) -> Page {
     let all = cases(cells);
     let snrs = distinct(all.iter().map(|c| c.snr_db));
     let (clean, hidden): (Vec<&Case>, Vec<&Case>) = all.iter().partition(|c| c.effect == NO_EFFECT);
@@ -87,9 +84,9 @@ pub fn page(cells: &Table) -> Result<Page, StudyError> {
         panels.push(panel("false alarms on a clean arm", vec![line(&snrs, "clean", alarm)]));
     }
     let says = [
+        names_in_words(&hidden),
         alarms_in_words(&clean),
         limits_in_words(&effects, &strengths, &snrs, right),
-        names_in_words(&hidden),
     ];
     let text = format!(
         "{}\n## Named right\n\nThe first cause, or what the diagnosis says would look the same, is \
@@ -101,7 +98,30 @@ pub fn page(cells: &Table) -> Result<Page, StudyError> {
         over_snr("effect", &snrs, &rows),
         by_gap(&hidden)
     );
-    Ok(Page { text, figures: vec![("named.svg".into(), draw(&panels, 3)?)] })
+    let caption = "Named right over SNR".to_string();
+    let figure = Figure { file: "named.svg".into(), caption, panels, columns: 3 };
+    Page {
+        text,
+        picture: Some(overview(&clean, &hidden, &snrs, &strengths)),
+        figures: vec![figure],
+    }
+}
+
+/// All effects together, and false alarms: the answer at a glance.
+fn overview(clean: &[&Case], hidden: &[&Case], snrs: &[f64], strengths: &[f64]) -> Panel {
+    let of = |cases: &[&Case], db: f64, which: fn(&Case) -> bool| {
+        let here: Vec<&Case> = cases.iter().filter(|c| c.snr_db == db).copied().collect();
+        share(&here, which)
+    };
+    let named = |strength: &f64| {
+        let ours: Vec<&Case> = hidden.iter().filter(|c| c.strength == *strength).copied().collect();
+        line(snrs, &format!("strength {strength}"), |db| of(&ours, db, |c| c.right))
+    };
+    let mut lines: Vec<Line> = strengths.iter().map(named).collect();
+    if !clean.is_empty() {
+        lines.push(line(snrs, "false alarms", |db| of(clean, db, |c| c.named)));
+    }
+    panel("Named right, all effects", lines)
 }
 
 fn by_gap(hidden: &[&Case]) -> String {

@@ -3,17 +3,15 @@
 use super::identification::{Chapter, Part};
 use super::seen::{Seen, in_order};
 use super::{decibel, listed, over_snr, percent, quantile};
-use crate::studies::StudyError;
-use crate::studies::sweep::chart::{Line, Panel, Scale, draw};
+use crate::studies::sweep::panel::{Line, Panel, Scale};
 
 /// An estimate is of use within it.
 const USEFUL: f64 = 0.2;
 /// So many of ten estimates must be.
 const MOST: f64 = 0.9;
 
-pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
-    let exists = part.rows.iter().filter(|r| r.truth != 0.0 && !r.absent);
-    let labels = in_order(exists.map(|r| r.label.as_str()));
+pub fn chapter(part: &Part<'_>) -> Chapter {
+    let labels = labels(part);
     let main = part.main();
     let row = |label: &&str| {
         let cell = |db: &f64| {
@@ -24,7 +22,7 @@ pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
     };
     let rows: Vec<Vec<String>> = labels.iter().map(row).collect();
     let panels: Vec<Panel> = labels.iter().map(|label| panel(part, label)).collect();
-    Ok(Chapter {
+    Chapter {
         name: "error",
         says: order(part, &labels),
         text: format!(
@@ -34,8 +32,15 @@ pub fn chapter(part: &Part<'_>) -> Result<Chapter, StudyError> {
             over_snr("parameter", &part.snrs, &rows)
         ),
         caption: "Relative error over SNR: median, and the band between 10 % and 90 %".into(),
-        svg: draw(&panels, 3)?,
-    })
+        panels,
+        columns: 3,
+    }
+}
+
+/// Of the parameters that exist.
+fn labels<'a>(part: &Part<'a>) -> Vec<&'a str> {
+    let exists = part.rows.iter().filter(|r| r.truth != 0.0 && !r.absent);
+    in_order(exists.map(|r| r.label.as_str()))
 }
 
 fn errors<'a>(rows: impl Iterator<Item = &'a Seen>, label: &str, db: f64) -> Vec<f64> {
@@ -107,6 +112,23 @@ fn order(part: &Part<'_>, labels: &[&str]) -> String {
         first.label,
         lost.join(", ")
     )
+}
+
+/// What most estimates of every parameter keep to, in one panel: the answer at a glance.
+pub fn overview(part: &Part<'_>) -> Panel {
+    let main = part.main();
+    let line = |label: &str| {
+        let at = |db: &f64| (*db, 100.0 * quantile(&errors(part.of(main), label, *db), MOST));
+        let points = part.snrs.iter().map(at).filter(|p| p.1.is_finite()).collect();
+        Line { label: label.into(), points, band: Vec::new() }
+    };
+    Panel {
+        title: format!("What {:.0} % of the estimates by {main} keep to", 100.0 * MOST),
+        across: ("SNR, dB", Scale::Decibel),
+        up: ("error, %", Scale::Log),
+        lines: labels(part).into_iter().map(line).collect(),
+        nominal: part.snrs.iter().map(|db| (*db, 100.0 * USEFUL)).collect(),
+    }
 }
 
 fn panel(part: &Part<'_>, label: &str) -> Panel {

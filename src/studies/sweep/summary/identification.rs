@@ -2,7 +2,7 @@
 
 use super::seen::{Seen, in_order, seen};
 use super::{Page, coverage, detection, distinct, errors, rounding};
-use crate::studies::StudyError;
+use crate::studies::sweep::panel::{Figure, Panel};
 use crate::studies::sweep::table::Table;
 
 /// One system's rows.
@@ -27,11 +27,9 @@ impl<'a> Part<'a> {
     }
 }
 
-/// # Errors
-/// If a plot cannot be drawn.
-pub fn page(cells: &Table) -> Result<Page, StudyError> {
+pub fn page(cells: &Table) -> Page {
     let all = seen(cells);
-    let mut page = Page { text: String::new(), figures: Vec::new() };
+    let mut page = Page { text: String::new(), picture: None, figures: Vec::new() };
     for system in in_order(all.iter().map(|r| r.system.as_str())) {
         let here = all.iter().filter(|r| r.system == system);
         let (mut rows, mut exact): (Vec<&Seen>, Vec<&Seen>) =
@@ -47,18 +45,20 @@ pub fn page(cells: &Table) -> Result<Page, StudyError> {
         };
         let name = if system == "arm" { "The arm" } else { "The motor" };
         page.text += &format!("## {name}\n\n");
+        page.picture.get_or_insert_with(|| errors::overview(&part));
         let mut chapters =
-            vec![errors::chapter(&part)?, coverage::chapter(&part)?, detection::chapter(&part)?];
-        chapters.extend(rounding::chapter(&part)?);
+            vec![errors::chapter(&part), coverage::chapter(&part), detection::chapter(&part)];
+        chapters.extend(rounding::chapter(&part));
         page.text += &chapters.iter().map(|c| format!("* {}\n", c.says)).collect::<String>();
         for chapter in chapters {
             let file = format!("{}_{system}.svg", chapter.name);
             page.text += &format!("\n{}\n![{}]({file})\n", chapter.text, chapter.caption);
-            page.figures.push((file, chapter.svg));
+            let Chapter { caption, panels, columns, .. } = chapter;
+            page.figures.push(Figure { file, caption, panels, columns });
         }
         page.text.push('\n');
     }
-    Ok(page)
+    page
 }
 
 /// What one aspect comes to.
@@ -70,5 +70,7 @@ pub struct Chapter {
     /// Headline and tables.
     pub text: String,
     pub caption: String,
-    pub svg: String,
+    /// Of the figure, and how many stand side by side.
+    pub panels: Vec<Panel>,
+    pub columns: usize,
 }

@@ -9,27 +9,29 @@ mod identification;
 mod rounding;
 mod seen;
 
+use super::panel::{Figure, Panel};
 use super::study::{Question, Study};
 use super::table::Table;
 use crate::report::markdown_table;
-use crate::studies::StudyError;
 
-/// Markdown, and figures by file name.
+/// What a study comes to.
 pub struct Page {
+    /// Markdown: a title, findings as a list, chapters with tables and figures by their files.
     pub text: String,
-    pub figures: Vec<(String, String)>,
+    /// The first finding at a glance; `None` where there is none.
+    pub picture: Option<Panel>,
+    pub figures: Vec<Figure>,
 }
 
-/// # Errors
-/// If a plot cannot be drawn.
-pub fn summarise(study: &Study, cells: &Table, timings: &Table) -> Result<Page, StudyError> {
+/// Of the joined tables of a study whose cells are all there.
+pub fn summarise(study: &Study, cells: &Table, timings: &Table) -> Page {
     let head = head(study, cells);
     let page = match study.question {
-        Question::Identification => identification::page(cells)?,
-        Question::Diagnosis => diagnosis::page(cells)?,
-        Question::Cost => cost::page(study, cells, timings)?,
+        Question::Identification => identification::page(cells),
+        Question::Diagnosis => diagnosis::page(cells),
+        Question::Cost => cost::page(study, cells, timings),
     };
-    Ok(Page { text: format!("{head}{}", page.text), ..page })
+    Page { text: format!("{head}{}", page.text), ..page }
 }
 
 fn head(study: &Study, cells: &Table) -> String {
