@@ -1,6 +1,9 @@
 //! One independent number per effect, worked out by hand: a law that both injects and explains
 //! would pass every round trip even when it is wrong.
 
+use nalgebra::Vector3;
+
+use super::samples::random_arm;
 use super::*;
 use crate::robot::{Workspace, gravity_torque};
 
