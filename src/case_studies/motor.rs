@@ -115,10 +115,10 @@ pub fn section(Results { reports, studies }: &Results) -> String {
          `--given R=1.5`. From the speed alone ten parameters cannot be had: a factor can move from \
          R and L to J and all torques and nothing changes. The current, or any one of the eight, \
          settles it; how well then depends on the excitation.\n\n{}\n\
-         ### The existence question\n\nIs a term kept that exists, and dropped that does not? Made \
-         by `armtwin motor --study`, with another noise per seed. The paper's intervals (Eq. 8) are \
-         sqrt(n) too narrow, n the number of samples: nearly every absent term is \"kept\" and \
-         nearly no interval holds the truth. {}\n\n{}\n{}",
+         ### The existence question\n\nIs a term kept that exists, and dropped that does not? \
+         Asked of another noise per seed, as `armtwin motor --study` does for one way of measuring. \
+         The paper's intervals (Eq. 8) are sqrt(n) too narrow, n the number of samples: nearly every \
+         absent term is \"kept\" and nearly no interval holds the truth. {}\n\n{}\n{}",
         markdown_table(&SUMMARY, 3, &reports.iter().flat_map(rows).collect::<Vec<_>>()),
         swarms(studies),
         studied.collect::<String>(),
