@@ -4,6 +4,13 @@
 //! is not linear in c: the columns are worked out at the compliance c0 and hold where the fitted c
 //! comes near it (fit again with c0 = c). Felt by all joints. Of several elastic joints each column
 //! comes on top of those before it ([`Motion::giving`]). Injecting takes c alone.
+//!
+//! What recordings show: below the resonance little more than c times the load's rate of change. At
+//! c = 6e-5 that is a quarter of the noise at 30 dB: 60 s give a UR5's shoulder within 10 % (one standard
+//! deviation), its elbow within 30 %, its base, which nothing loads, not at all. Nearer the resonance
+//! there is more, of motion and torque alike: low-pass the motion well above the torque, or a joint that
+//! swings between both comes out half as soft again; and torque faster than the controller follows
+//! makes it look stiff.
 
 use super::wind_up::lagging;
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission, starts};

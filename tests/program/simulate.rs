@@ -4,6 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use armtwin::effects::CATALOGUE;
+use armtwin::simulation::{Scenario, Simulation};
+use armtwin::twin::PerJoint;
+use rayon::prelude::*;
 use tempfile::TempDir;
 
 use super::{Output, armtwin};
@@ -67,6 +70,40 @@ fn every_effect_has_a_scenario_that_hides_it() {
     }
     let files = fs::read_dir(scenario("effects")).unwrap().count();
     assert_eq!(files, CATALOGUE.len(), "a scenario of an effect that is not in the catalogue");
+}
+
+/// The arm with every effect at once moves, and without any one of them otherwise.
+#[test]
+fn all_effects_act_together() {
+    let names: Vec<&str> = CATALOGUE.iter().map(|e| e.about().name).collect();
+    let mut together = effect_scenario(names[0]);
+    together.shorten(4.0);
+    for name in &names {
+        together.effects.extend(effect_scenario(name).effects);
+    }
+    // So that they act within the first seconds, in which the base stands.
+    let mut sooner = |effect: &str, key: &str, value: f64| {
+        together.effects.get_mut(effect).unwrap().insert(key.into(), PerJoint::Each(vec![value]));
+    };
+    sooner("external_contact", "contact_start", 1.0);
+    sooner("torque_saturation", "joints", 3.0);
+    sooner("torque_saturation", "torque_limit", 9.0);
+    let recorded = |scenario: &Scenario| {
+        let made = scenario.work_out("test").unwrap();
+        let mut simulation = Simulation::new(&made.setup).unwrap();
+        simulation.run(&made.fit, 1, 0, &mut |_| true).unwrap().recording.channels
+    };
+    let all = recorded(&together);
+    assert!(all.iter().flat_map(|c| &c.values).all(|x| x.is_finite()));
+    names.par_iter().for_each(|name| {
+        let mut fewer = together.clone();
+        fewer.effects.remove(*name).unwrap();
+        assert!(recorded(&fewer) != all, "{name} does nothing beside the others");
+    });
+}
+
+fn effect_scenario(name: &str) -> Scenario {
+    Scenario::load(&scenario("effects").join(name).with_extension("toml")).unwrap()
 }
 
 #[test]
