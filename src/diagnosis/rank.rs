@@ -199,6 +199,17 @@ pub fn effective_shares(residual: &Blocks) -> Vec<f64> {
     residual.0.iter().map(share).collect()
 }
 
+/// Does nonlinear parameter `k` bend the first column? One that bends others alone (how a cable's
+/// hysteresis slips) is arbitrary where there is little of those.
+fn shapes_the_effect(fit: &Fit, trial: &Trial, k: usize) -> bool {
+    let start = trial.starts.iter().find(|s| s[k] != trial.nonlinear[k]);
+    let (Some(start), false) = (start, trial.candidate.senses()) else { return true };
+    let mut moved = trial.nonlinear.clone();
+    moved[k] = start[k];
+    let first = |nonlinear: &[f64]| fit.columns(trial.candidate, nonlinear).into_iter().next();
+    first(&moved) != first(&trial.nonlinear)
+}
+
 /// The first parameter of the last cause that sits at a bound: the first of all where its linear
 /// ones do not make the effect that it is, a linear one at the end of its range, a nonlinear one at
 /// the end of its range unless a search starts there.
@@ -219,7 +230,10 @@ pub fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
             Role::Linear => !held[i] && at_end && *v != p.null,
             Role::Nonlinear => {
                 let k = i - candidate.linear();
-                trial.searched().contains(&k) && at_end && trial.starts.iter().all(|s| s[k] != *v)
+                trial.searched().contains(&k)
+                    && at_end
+                    && trial.starts.iter().all(|s| s[k] != *v)
+                    && shapes_the_effect(fit, trial, k)
             }
         };
         at.then_some(p.name)
