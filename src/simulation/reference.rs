@@ -16,7 +16,7 @@ const MAX_EVENTS: usize = 64;
 const BISECTIONS: usize = 60;
 
 /// Forces at (t, q, v): fills motor torques (N.m) and loads, both per joint. Must be a function of
-/// its arguments alone: effects with memory have no place in a Runge-Kutta stage.
+/// its arguments alone during a step: what effects remember moves on when the step is done.
 pub trait Forces: FnMut(f64, &[f64], &[f64], &mut [f64], &mut [JointLoad]) {}
 impl<F: FnMut(f64, &[f64], &[f64], &mut [f64], &mut [JointLoad])> Forces for F {}
 

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use armtwin::effects::CATALOGUE;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -42,8 +43,12 @@ struct Folder(TempDir);
 impl Folder {
     /// With fit.csv and check.csv.
     fn simulated(effects: &str) -> Self {
+        Self::of(&format!("{SCENARIO}{effects}"))
+    }
+
+    fn of(scenario: &str) -> Self {
         let folder = Self(TempDir::new().unwrap());
-        fs::write(folder.path("scenario.toml"), format!("{SCENARIO}{effects}")).unwrap();
+        fs::write(folder.path("scenario.toml"), scenario).unwrap();
         let made = armtwin(&["simulate", &folder.path("scenario.toml"), "--out", &folder.path("")]);
         assert_eq!(made.code, 0, "{}", made.stderr);
         folder
@@ -55,9 +60,13 @@ impl Folder {
 
     /// diagnosis.json and what was printed.
     fn diagnosed(&self, twin: &str, out: &str) -> (Value, String) {
+        self.diagnosed_with(&[], twin, out)
+    }
+
+    fn diagnosed_with(&self, more: &[&str], twin: &str, out: &str) -> (Value, String) {
         let (fit, check, out) = (self.path("fit.csv"), self.path("check.csv"), self.path(out));
-        let run =
-            armtwin(&["diagnose", "--fit", &fit, "--check", &check, "--twin", twin, "--out", &out]);
+        let files = ["--fit", &fit, "--check", &check, "--twin", twin, "--out", &out];
+        let run = armtwin(&[&["diagnose"], &files[..], more].concat());
         assert_eq!(run.code, 0, "{}", run.stderr);
         assert!(run.stderr.is_empty(), "quiet in a pipe, but: {}", run.stderr);
         let text = fs::read_to_string(Path::new(&out).join("diagnosis.json")).unwrap();
@@ -124,6 +133,37 @@ backlash_damping = 40
     let gap = &cause["parameters"][0];
     let [low, high] = ["low", "high"].map(|end| number(&gap[end]));
     assert!(low <= GAP_RAD && GAP_RAD <= high && high - low < 0.4 * GAP_RAD, "{gap}");
+}
+
+/// The arm of the effect's own scenario, whose only parameter is `value`, asked for nothing else.
+fn alone(effect: &str, value: f64) -> Value {
+    let text = fs::read_to_string(format!("scenarios/effects/{effect}.toml")).unwrap();
+    let (before, after) = text.split_once(&format!("[effects.{effect}]")).unwrap();
+    assert_eq!(after.matches('=').count(), 1, "{effect} has one parameter");
+    let folder = Folder::of(&format!("{before}[effects.{effect}]\n{effect} = {value}\n"));
+    let known = ["coulomb", "viscous", effect];
+    let names = CATALOGUE.iter().map(|e| e.about().name).filter(|name| !known.contains(name));
+    let others = names.collect::<Vec<_>>().join(",");
+    folder.diagnosed_with(&["--without", &others, "--no-simulation"], TWIN, "out").0
+}
+
+/// Of the whole arm at two strengths, s; measured: 7.78, 15.96, 10.02 and 20.03 ms.
+#[test]
+fn delays_and_lags_come_back() {
+    for (effect, truth, near) in [
+        ("time_delay", 0.008, 4e-4),
+        ("time_delay", 0.016, 2e-4),
+        ("velocity_lag", 0.01, 1e-4),
+        ("velocity_lag", 0.02, 1e-4),
+    ] {
+        let found = alone(effect, truth);
+        let causes = found["causes"].as_array().unwrap();
+        assert_eq!(causes.len(), 1, "{effect} {truth}: {causes:?}");
+        let cause = &causes[0];
+        assert_eq!((&cause["effect"], &cause["joints"]), (&effect.into(), &serde_json::json!([])));
+        let value = number(&cause["parameters"][0]["value"]);
+        assert!((value - truth).abs() < near, "{effect} of {truth} s comes back as {value} s");
+    }
 }
 
 #[test]
