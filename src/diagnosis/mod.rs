@@ -100,6 +100,18 @@ pub enum DiagnosisError {
     Recording(String),
 }
 
+impl DiagnosisError {
+    /// Said of one of two recordings.
+    fn of(self, which: &str) -> Self {
+        match self {
+            Self::Recording(problem) => {
+                Self::Recording(format!("the {which} recording: {problem}"))
+            }
+            other => other,
+        }
+    }
+}
+
 /// Fits on `fit`, judges on `check`. `twin` is what is known of the arm; effects it lists without
 /// values are fitted along and are no gap.
 ///
@@ -150,8 +162,10 @@ fn once(
     settings: &Settings,
 ) -> Result<Found, DiagnosisError> {
     let floors = [noise_floor(fit, twin), noise_floor(check, twin)];
-    let evidence = |samples, floor| evidence::Evidence::new(twin, samples, floor);
-    let (fit, check) = (evidence(fit, &floors[0])?, evidence(check, &floors[1])?);
+    let evidence = |which, samples, floor| {
+        evidence::Evidence::new(twin, samples, floor).map_err(|error| error.of(which))
+    };
+    let (fit, check) = (evidence("fit", fit, &floors[0])?, evidence("check", check, &floors[1])?);
     let candidates = candidate::candidates(twin, &settings.without);
     let colours = colour::Colours::new(&fit, &check);
     let search =

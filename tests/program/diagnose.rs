@@ -203,6 +203,17 @@ fn half_of_a_recording_is_held_back_where_there_is_no_other() {
 }
 
 /// Each ends with code 1, says what is wrong, and leaves nothing behind.
+/// A recording of six joints whose angles and currents grow by `drift` per row.
+fn drifting(drift: f64) -> String {
+    let of = |name: &str| (0..6).map(|j| format!(",{name}_{j}")).collect::<String>();
+    let row = |k: usize| {
+        let value = format!(",{}", k as f64 * drift);
+        format!("{}{}\n", k as f64 * 0.008, value.repeat(12))
+    };
+    let rows: String = (0..2000).map(row).collect();
+    format!("timestamp{}{}\n{rows}", of("actual_q"), of("actual_current"))
+}
+
 #[test]
 fn what_cannot_be_diagnosed_is_refused() {
     let folder = Folder(TempDir::new().unwrap());
@@ -210,7 +221,12 @@ fn what_cannot_be_diagnosed_is_refused() {
     let position: String = (0..2000).map(row).collect();
     fs::write(folder.path("log.csv"), format!("timestamp,actual_q_0\n{position}")).unwrap();
     let (log, out) = (folder.path("log.csv"), folder.path("out"));
-    let cases: [(&[&str], &str); 4] = [
+    let [still, another] = ["still.csv", "another.csv"].map(|name| folder.path(name));
+    for (file, drift) in [(&still, 1e-9), (&another, 2e-9)] {
+        fs::write(file, drifting(drift)).unwrap();
+    }
+    let cases: [(&[&str], &str); 5] = [
+        (&["--fit", &still, "--check", &another], "the fit recording: no joint"),
         (&["--fit", "absent.csv"], "absent.csv"),
         (&["--fit", &log], "log.csv"),
         (&["--fit", &log, "--check", &log], "--check"),

@@ -119,11 +119,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let settings = args.settings()?;
     let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
     let recordings = load::condition(args.recordings()?, &twin, &args.conditioning)?;
+    // Made before the work, which would be lost where it cannot be made.
+    let fresh = args.out.as_ref().filter(|out| !out.exists());
     if let Some(out) = &args.out {
         std::fs::create_dir_all(out)
             .with_context(|| format!("--out {}: cannot be made", out.display()))?;
     }
-    let done = diagnose(twin, recordings, settings, !args.no_simulation)?;
+    let done = diagnose(twin, recordings, settings, !args.no_simulation).inspect_err(|_| {
+        // Only an empty folder is removed.
+        fresh.map(std::fs::remove_dir);
+    })?;
     if let Some(out) = &args.out {
         output::write(&done, out)?;
     }
