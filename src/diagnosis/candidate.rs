@@ -143,7 +143,7 @@ impl Candidate {
         self.effect.about().name
     }
 
-    /// Of parameter `i`, as a change of what the drive has of it.
+    /// Smallest and largest value of parameter `i` in its unit, as a change of what the drive has of it.
     pub fn range(&self, i: usize, twin: &Twin) -> [f64; 2] {
         let parameter = &self.effect.about().parameters[i];
         let has = match self.place {

@@ -15,7 +15,7 @@ use super::model::{Fit, Model};
 use crate::signals::{Conditioning, Samples};
 
 /// Values of the causes that outrun the motion, with their indices; `None` where there are none, or
-/// where the torque of a recording has passed a low-pass already.
+/// where the torque of a recording has passed a low-pass already. Units as the catalogue has them.
 pub fn values(fit: &Fit<'_, '_>, check: &Evidence<'_>) -> Option<Vec<(usize, Vec<Value>)>> {
     let twin = fit.evidence.twin;
     let causes = fit.model.causes.iter().enumerate();

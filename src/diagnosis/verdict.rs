@@ -41,6 +41,7 @@ pub struct Findings<'a, 'e> {
     pub search: &'a Search<'a, 'e>,
     pub account: Account<'a, 'e>,
     pub floor: Vec<Floor>,
+    /// Of both recordings, where the arm moves.
     pub noise: Colour,
     /// Recorded velocities that lag.
     pub lagging: Option<Lagging>,

@@ -250,8 +250,8 @@ pub trait Effect: Sync {
         false
     }
 
-    /// Explain: how much of the first parameter the drive is known to have at `joint`; a cause is a
-    /// change of it, and may take it away.
+    /// Explain: how much of the first parameter, in its unit, the drive is known to have at `joint`
+    /// (from 0); a cause is a change of it, and may take it away.
     fn in_drive(&self, _drive: &Drive, _joint: usize) -> f64 {
         0.0
     }

@@ -87,8 +87,8 @@ fn wind_up<'a>(motion: &Motion<'a>, laws: &[Option<Transmission>]) -> Vec<Giving
         let inverse = inverse_inertia(&joints, k, h);
         let damping = damping_of_blows(&joints, k);
         let mut sums = vec![[0.0; 3]; joints.len()];
-        for i in 0..parts as usize {
-            let along = (i as f64 + 0.5) / parts - 0.5;
+        for part in 0..parts as usize {
+            let along = (part as f64 + 0.5) / parts - 0.5;
             for (i, torque) in torque.iter_mut().enumerate() {
                 let (tau, tau_rate) = between(load.joint(joints[i].joint), k, along, motion.dt);
                 let carried = joints[i].carried(damping[i], tau_rate);
