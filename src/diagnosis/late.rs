@@ -3,7 +3,6 @@
 
 use super::model::Fit;
 use crate::effects::{Effect, find};
-use crate::signals::Samples;
 
 const EFFECT: &str = "time_delay";
 /// Times the delay that is left out beside standstill: the first one found is too short for what
@@ -19,31 +18,7 @@ pub fn delay(fit: &Fit) -> f64 {
     late.filter_map(|(i, _)| fit.values(i).get(place?).copied()).fold(0.0, f64::max)
 }
 
-/// The recordings without what is too near to standstill for this delay, where they hold such.
-pub fn away_from_standstill(recordings: &[Samples; 2], delay_s: f64) -> Option<[Samples; 2]> {
-    let guard_s = LONGER * delay_s;
-    let rows = |seconds: f64, samples: &Samples| (seconds / samples.dt).round() as usize;
-    let near = recordings.iter().any(|r| rows(r.conditioning.guard_s, r) < rows(guard_s, r));
-    near.then(|| {
-        recordings.clone().map(|mut samples| {
-            samples.conditioning.guard_s = samples.conditioning.guard_s.max(guard_s);
-            samples
-        })
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diagnosis::testing::samples;
-
-    #[test]
-    fn a_late_torque_leaves_out_as_much_beside_standstill_and_a_slight_delay_nothing() {
-        let recordings = [(); 2].map(|()| samples(1, 200, |_, t| t));
-        let before = recordings[0].conditioning.guard_s;
-        let wide = away_from_standstill(&recordings, 0.2).unwrap();
-        assert!(wide.iter().all(|r| (r.conditioning.guard_s - 0.3).abs() < 1e-12));
-        assert!(away_from_standstill(&recordings, 0.5 * before).is_none());
-        assert!(away_from_standstill(&recordings, 0.0).is_none());
-    }
+/// What is left out beside standstill for this delay, s.
+pub fn guard_s(delay_s: f64) -> f64 {
+    LONGER * delay_s
 }

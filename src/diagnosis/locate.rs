@@ -2,11 +2,12 @@
 //! the catalogue's starts, refined, each given the others.
 
 use super::DiagnosisError;
+use super::bound::at_bound;
 use super::candidate::{Candidate, Place, Term};
 use super::evidence::Evidence;
 use super::floor::noise_floor;
 use super::model::{Fit, Model};
-use super::rank::{LEAST_NATS, at_bound, effective_shares, gain, price};
+use super::rank::{LEAST_NATS, effective_shares, gain, price};
 use super::search::{self, Trial};
 use crate::effects::{Effect, Role, Scope};
 use crate::identification::{Located, Terms};

@@ -3,6 +3,7 @@
 mod account;
 mod answer;
 mod bootstrap;
+mod bound;
 mod candidate;
 mod chance;
 mod colour;
@@ -37,6 +38,7 @@ mod select;
 mod shrink;
 mod significance;
 mod slow;
+mod standstill;
 mod surrogates;
 mod system;
 #[cfg(test)]
@@ -138,14 +140,11 @@ pub fn diagnose_traced(
 ) -> Result<(Diagnosis, Traces), DiagnosisError> {
     let recordings = [twin.correct(fit), twin.correct(check)];
     let first = once(twin, &recordings, settings)?;
-    match late::away_from_standstill(&recordings, first.delay_s) {
-        Some(recordings) => {
-            let again = once(twin, &recordings, settings)?;
-            let found = if again.delay_s > 0.0 { again } else { first };
-            Ok((found.answer, found.traces))
-        }
-        None => Ok((first.answer, first.traces)),
-    }
+    let found = match standstill::left_out(&recordings, first.guard_s()) {
+        Some(fewer) => once(twin, &fewer, settings)?.in_place_of(first),
+        None => first,
+    };
+    Ok((found.answer, found.traces))
 }
 
 /// What a pass over both recordings finds.
@@ -154,6 +153,8 @@ struct Found {
     traces: Traces,
     /// How late the torque is by the causes that were found, 0 if it is not.
     delay_s: f64,
+    /// What does better than the strongest cause, but cannot be named.
+    outdone: Option<Named>,
 }
 
 fn once(
@@ -173,5 +174,7 @@ fn once(
     let findings = verdict::Findings::new(&search, &floors[1]);
     let answer = findings.answer();
     let traces = Traces::new(&findings, &answer);
-    Ok(Found { answer, traces, delay_s: late::delay(&findings.account.last.fit) })
+    let delay_s = late::delay(&findings.account.last.fit);
+    let outdone = findings.outdone().map(|[_, best]| rivals::named(best));
+    Ok(Found { answer, traces, delay_s, outdone })
 }

@@ -8,12 +8,18 @@ const STEEP_SHARE: f64 = 10.0;
 /// Share of what was systematic that the causes have to explain.
 const LEAST_SHARE: f64 = 0.5;
 /// Where a leftover counts as much for as against the cause: times the systematic limit, and more
-/// by this share of what there was before (no signature is exact).
+/// by this share of what there was before (no signature is exact: of effects that were named rightly
+/// up to 0.01 stayed where much stood out).
 const HALFWAY: f64 = 2.0;
-const INEXACT: f64 = 0.05;
+const INEXACT: f64 = 0.01;
 /// Times the best joint's leftover, where the twin is inexact throughout: a joint that keeps as much
 /// lacks something of its own.
 const FAR: f64 = 20.0;
+
+/// Gain of a declined candidate that speaks as much for it as for a signature that is not exact, nats.
+const REAL_NATS: f64 = 50.0;
+/// Of all declined candidates together, at most.
+const MOST_DECLINED: f64 = 0.5;
 
 /// That something outside the catalogue is at work at `joints`, where the causes leave `remains`.
 ///
@@ -41,6 +47,14 @@ pub fn of_unknown(remains: &Remains, joints: &[usize]) -> f64 {
 pub fn of_something(remains: &Remains) -> f64 {
     let worst = remains.before.iter().copied().fold(1.0, f64::max);
     logistic(STEEP_LEFT * (worst / SYSTEMATIC).ln())
+}
+
+/// Of all candidates together where none was accepted, besides "unknown": what chance finds in a
+/// share `p` of surrogates is hardly one, nor is what gains `score` nats where a signature that is
+/// not quite exact gains as much. At most as probable as "none".
+pub fn of_declined(p: f64, score: f64) -> f64 {
+    let real = (score / REAL_NATS).powi(2);
+    MOST_DECLINED * (1.0 - p).powi(2) * real / (1.0 + real)
 }
 
 fn logistic(x: f64) -> f64 {
@@ -83,6 +97,13 @@ mod tests {
             chi2_per_sample: vec![30.0; 2],
         };
         assert!(of_unknown(&inexact, &[0]) < 0.05);
+    }
+
+    #[test]
+    fn what_was_declined_counts_by_chance_and_by_what_it_gains() {
+        assert!(of_declined(0.0, 10.0) < 0.05 && of_declined(0.9, 1000.0) < 0.05);
+        assert!((of_declined(0.0, REAL_NATS) - 0.25).abs() < 1e-12);
+        assert!(of_declined(0.0, 1e6) <= 0.5);
     }
 
     #[test]

@@ -7,6 +7,7 @@
 
 use rayon::prelude::*;
 
+use super::bound::Adopted;
 use super::candidate::{Candidate, Extent, Place};
 use super::columns::Blocks;
 use super::evidence::Evidence;
@@ -89,12 +90,11 @@ impl<'a, 'e> Search<'a, 'e> {
     }
 
     fn hypothesis(&self, state: &State<'a, 'e>, trial: &Trial) -> Hypothesis<'a, 'e> {
-        let fit = search::adopt(&state.fit, &state.fit.model, trial);
+        let Adopted { trial, fit, at_bound, .. } = Adopted::new(&state.fit, trial.clone()).inside();
         let residual = fit.held_against(self.check);
-        let at_bound = at_bound(&fit, trial);
         let nothing = 0.0;
         Hypothesis {
-            trial: trial.clone(),
+            trial,
             fit,
             residual,
             gain_fit: nothing,
@@ -197,48 +197,6 @@ pub fn effective_shares(residual: &Blocks) -> Vec<f64> {
         n => effective_samples(rows) / n as f64,
     };
     residual.0.iter().map(share).collect()
-}
-
-/// Does nonlinear parameter `k` bend the first column? One that bends others alone (how a cable's
-/// hysteresis slips) is arbitrary where there is little of those.
-fn shapes_the_effect(fit: &Fit, trial: &Trial, k: usize) -> bool {
-    let start = trial.starts.iter().find(|s| s[k] != trial.nonlinear[k]);
-    let (Some(start), false) = (start, trial.candidate.senses()) else { return true };
-    let mut moved = trial.nonlinear.clone();
-    moved[k] = start[k];
-    let first = |nonlinear: &[f64]| fit.columns(trial.candidate, nonlinear).into_iter().next();
-    first(&moved) != first(&trial.nonlinear)
-}
-
-/// The first parameter of the last cause that sits at a bound: the first of all where its linear
-/// ones do not make the effect that it is, a linear one at the end of its range, a nonlinear one at
-/// the end of its range unless a search starts there.
-pub fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
-    let last = fit.model.causes.len() - 1;
-    let candidate = fit.model.causes[last].candidate;
-    let values = fit.values(last);
-    let held = &fit.model.causes[last].held;
-    let linear = &values[..held.len()];
-    if held.iter().any(|h| !h) && !candidate.effect.is_itself(linear) {
-        return candidate.effect.about().parameters.first().map(|p| p.name);
-    }
-    let reached = |(i, (p, v)): (usize, (&crate::effects::Parameter, &f64))| {
-        let [min, max] = candidate.range(i, fit.evidence.twin);
-        let near = 1e-3 * (max - min);
-        let at_end = *v <= min + 1e-3 * min.abs() || *v >= max - near;
-        let at = match p.role {
-            Role::Linear => !held[i] && at_end && *v != p.null,
-            Role::Nonlinear => {
-                let k = i - candidate.linear();
-                trial.searched().contains(&k)
-                    && at_end
-                    && trial.starts.iter().all(|s| s[k] != *v)
-                    && shapes_the_effect(fit, trial, k)
-            }
-        };
-        at.then_some(p.name)
-    };
-    candidate.effect.about().parameters.iter().zip(&values).enumerate().find_map(reached)
 }
 
 /// A parameter of the twin's own that a cause drives well below zero where it may not be: friction

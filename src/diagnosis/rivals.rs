@@ -11,8 +11,7 @@ impl Findings<'_, '_> {
         let Some(first) = self.account.rounds.first() else { return Vec::new() };
         let (ranked, claim) = match self.account.standings.first() {
             Some(strongest) => (&strongest.ranked, 1.0),
-            // Nothing was accepted: what chance finds as often is hardly a candidate.
-            None => (&first.ranked, (1.0 - first.p).powi(2) * 0.5),
+            None => (&first.ranked, probability::of_declined(first.p, best_score(&first.ranked))),
         };
         let scores: Vec<f64> = ranked.iter().map(|h| h.score).collect();
         let shares = probability::shares(&scores);
@@ -56,6 +55,12 @@ impl Findings<'_, '_> {
         rows.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         rows
     }
+}
+
+/// Of those that are no rejections.
+fn best_score(ranked: &[Hypothesis]) -> f64 {
+    let usable = ranked.iter().filter(|h| h.at_bound.is_none());
+    usable.map(|h| h.score).fold(0.0, f64::max)
 }
 
 /// A cause that torque does not show goes first: what the others share is left by it.

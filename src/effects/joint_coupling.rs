@@ -52,6 +52,11 @@ impl Effect for JointCoupling {
         vec![speed(joint.checked_sub(1)), speed(Some(joint + 1))]
     }
 
+    /// By either neighbour: the first joint and the last have one only.
+    fn is_itself(&self, linear: &[f64]) -> bool {
+        linear.iter().any(|drag| *drag != 0.0)
+    }
+
     fn act(&self, values: &[f64], state: &JointState<'_>, _: &mut [f64], load: &mut JointLoad) {
         let speed = |at: Option<usize>| at.and_then(|j| state.arm.qd.get(j)).unwrap_or(&0.0);
         load.torque += values[0] * speed(state.joint.checked_sub(1))

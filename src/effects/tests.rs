@@ -47,6 +47,26 @@ fn assert_close(name: &str, a: &JointSeries, b: &JointSeries, share: f64) {
     }
 }
 
+/// A parameter whose column is empty stays at zero: the first joint has no inner neighbour. What is left
+/// must still count as the effect, or a diagnosis could not name it there.
+#[test]
+fn an_effect_is_itself_wherever_it_acts() {
+    let samples = Samples::random(5);
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    for effect in columned().filter(|e| e.about().scope == Scope::Joint) {
+        let values = draw(effect, &mut rng);
+        let (linear, nonlinear) = values.split_at(linear_count(effect));
+        for joint in 0..samples.robot.dof() {
+            let columns = effect.columns(&samples.motion(), joint, nonlinear);
+            let acts = |c: &Vec<f64>| c.iter().any(|v| *v != 0.0);
+            let shown = linear.iter().zip(&columns).map(|(v, c)| if acts(c) { *v } else { 0.0 });
+            let shown: Vec<f64> = shown.collect();
+            let name = effect.about().name;
+            assert!(!columns.iter().any(acts) || effect.is_itself(&shown), "{name}, joint {joint}");
+        }
+    }
+}
+
 #[test]
 fn declarations_are_complete() {
     let (mut effects, mut parameters) = (HashSet::new(), HashSet::new());

@@ -112,6 +112,10 @@ fn ratio(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
     (rng.random_range(low.ln()..high.ln())).exp()
 }
 
+/// Of Coulomb friction: what static friction exceeds it by, at most. With more a joint sticks and
+/// slips all the time, and slow motion is none any more.
+const MOST_EXCESS: f64 = 2.0;
+
 fn factor(parameters: &[usize], limit: f64) -> Size {
     Size::Factor { parameters: parameters.to_vec(), limit }
 }
@@ -130,7 +134,7 @@ fn proportions(
     match name {
         "stribeck" => {
             let exponent = if rng.random_bool(0.5) { 1.0 } else { 2.0 };
-            (vec![1.0, ratio(rng, 0.02, 0.12), exponent], factor(&[0], 25.0))
+            (vec![1.0, ratio(rng, 0.02, 0.12), exponent], factor(&[0], MOST_EXCESS * fc))
         }
         "coulomb_asymmetry" => {
             let viscous = if rng.random_bool(0.5) { 0.0 } else { rng.random_range(-0.5..0.5) };

@@ -1,0 +1,155 @@
+//! Parameters at the end of their range: what fits only there is no explanation.
+
+use super::model::Fit;
+use super::rank::{LEAST_NATS, gain};
+use super::search::{self, Trial, evaluate};
+use crate::effects::Role;
+
+/// A trial made a cause of the model it was tried on.
+pub struct Adopted<'f, 'a, 'e> {
+    pub trial: Trial,
+    pub fit: Fit<'a, 'e>,
+    /// A parameter at a bound that is not its null value.
+    pub at_bound: Option<&'static str>,
+    before: &'f Fit<'a, 'e>,
+}
+
+impl<'f, 'a, 'e> Adopted<'f, 'a, 'e> {
+    pub fn new(before: &'f Fit<'a, 'e>, trial: Trial) -> Self {
+        let fit = search::adopt(before, &before.model, &trial);
+        let at_bound = at_bound(&fit, &trial);
+        Self { trial, fit, at_bound, before }
+    }
+
+    /// The same without a parameter at a bound, where that costs next to nothing: a search wanders
+    /// to the end of what the data do not tell.
+    pub fn inside(self) -> Self {
+        let Some(name) = self.at_bound else { return self };
+        let parameters = self.trial.candidate.effect.about().parameters.iter();
+        let Some(i) = parameters.clone().position(|p| p.name == name) else { return self };
+        let costs = |other: &Self| {
+            let every = vec![1.0; self.fit.squares.len()];
+            gain(self.fit.evidence, &other.fit.squares, &self.fit.squares, &every)
+        };
+        let others = self.moved(i).into_iter().map(|trial| Self::new(self.before, trial));
+        let inside = others.filter(|other| other.at_bound.is_none() && costs(other) < LEAST_NATS);
+        inside.min_by(|a, b| costs(a).total_cmp(&costs(b))).unwrap_or(self)
+    }
+
+    /// With parameter `i` elsewhere: a linear one at its null value, a nonlinear one at its starts.
+    fn moved(&self, i: usize) -> Vec<Trial> {
+        let trial = &self.trial;
+        let Some(k) = i.checked_sub(trial.candidate.linear()) else {
+            let mut without = trial.clone();
+            without.linear[i] = 0.0;
+            return vec![without];
+        };
+        let mut values: Vec<f64> = trial.starts.iter().map(|s| s[k]).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        let at = |value: f64| {
+            let mut nonlinear = trial.nonlinear.clone();
+            nonlinear[k] = value;
+            evaluate(self.before, trial, nonlinear)
+        };
+        values.into_iter().map(at).collect()
+    }
+}
+
+/// Does nonlinear parameter `k` bend the first column? One that bends others alone (how a cable's
+/// hysteresis slips) is arbitrary where there is little of those.
+fn shapes_the_effect(fit: &Fit, trial: &Trial, k: usize) -> bool {
+    let start = trial.starts.iter().find(|s| s[k] != trial.nonlinear[k]);
+    let (Some(start), false) = (start, trial.candidate.senses()) else { return true };
+    let mut moved = trial.nonlinear.clone();
+    moved[k] = start[k];
+    let first = |nonlinear: &[f64]| fit.columns(trial.candidate, nonlinear).into_iter().next();
+    first(&moved) != first(&trial.nonlinear)
+}
+
+/// The first parameter of the last cause that sits at a bound: the first of all where its linear
+/// ones do not make the effect that it is, a linear one at the end of its range, a nonlinear one at
+/// the end of its range unless a search starts there.
+pub fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
+    let last = fit.model.causes.len() - 1;
+    let candidate = fit.model.causes[last].candidate;
+    let values = fit.values(last);
+    let held = &fit.model.causes[last].held;
+    let linear = &values[..held.len()];
+    if held.iter().any(|h| !h) && !candidate.effect.is_itself(linear) {
+        return candidate.effect.about().parameters.first().map(|p| p.name);
+    }
+    let reached = |(i, (p, v)): (usize, (&crate::effects::Parameter, &f64))| {
+        let [min, max] = candidate.range(i, fit.evidence.twin);
+        let near = 1e-3 * (max - min);
+        let at_end = *v <= min + 1e-3 * min.abs() || *v >= max - near;
+        let at = match p.role {
+            Role::Linear => !held[i] && at_end && *v != p.null,
+            Role::Nonlinear => {
+                let k = i - candidate.linear();
+                trial.searched().contains(&k)
+                    && at_end
+                    && trial.starts.iter().all(|s| s[k] != *v)
+                    && shapes_the_effect(fit, trial, k)
+            }
+        };
+        at.then_some(p.name)
+    };
+    candidate.effect.about().parameters.iter().zip(&values).enumerate().find_map(reached)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::candidate::{Candidate, Place};
+    use crate::diagnosis::evidence::Evidence;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::model::Model;
+    use crate::diagnosis::search::screen;
+    use crate::diagnosis::testing::samples;
+    use crate::effects::find;
+    use crate::twin::Twin;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const JOINT: usize = 2;
+    const LEVEL_NM: f64 = 6.0;
+    const NOISE_NM: f64 = 0.2;
+
+    /// LuGre friction of these nonlinear values, adopted at others: is it at a bound, and still when
+    /// taken inside?
+    fn wandered(truth: [f64; 3], to: [f64; 3]) -> [Option<&'static str>; 2] {
+        let twin = Twin::default();
+        let mut made = samples(6, 4000, |j, t| 0.6 * ((0.9 + 0.1 * j as f64) * t).sin());
+        let lugre = find("lugre").unwrap();
+        let motion = twin.motion(&made);
+        let bristle = lugre.columns(&motion, JOINT, &truth).swap_remove(0);
+        let mut torque = twin.torque(&motion);
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        for (t, z) in torque.joint_mut(JOINT).iter_mut().zip(bristle) {
+            let noise: f64 = StandardNormal.sample(&mut rng);
+            *t += LEVEL_NM * z + NOISE_NM * noise;
+        }
+        made.torque = torque;
+        let floor = noise_floor(&made, &twin);
+        let evidence = Evidence::new(&twin, &made, &floor).unwrap();
+        let fit = Fit::new(&evidence, Model::of(&twin));
+        let candidate = Candidate { effect: lugre, place: Place::Joint(JOINT) };
+        let (start, _) = screen(&fit, &[candidate], &[]).remove(0);
+        let there = Adopted::new(&fit, evaluate(&fit, &start, to.to_vec()));
+        [there.at_bound, there.inside().at_bound]
+    }
+
+    /// Beside Coulomb friction, which is open, only level times excess shows.
+    #[test]
+    fn a_bound_that_the_data_do_not_press_against_is_none() {
+        let [there, inside] = wandered([1e-3, 0.5, 0.1], [1e-3, 2.0, 0.1]);
+        assert_eq!((there, inside), (Some("lugre_excess"), None));
+    }
+
+    #[test]
+    fn a_bound_that_they_do_press_against_stays() {
+        let [there, inside] = wandered([1e-3, 1.5, 3.0], [1e-3, 0.5, 0.5]);
+        assert_eq!((there, inside), (Some("lugre_velocity"), Some("lugre_velocity")));
+    }
+}
