@@ -31,6 +31,15 @@ pub fn in_motion_band(evidence: &Evidence<'_>, residual: &Blocks) -> Vec<f64> {
     residual.0.iter().map(|rows| ratio(rows, rate, top)).collect()
 }
 
+/// Mean square over that of the noise, joint by joint; 0 where a joint has no rows.
+pub fn over_noise(evidence: &Evidence<'_>, residual: &Blocks, noise: Colour) -> Vec<f64> {
+    let level = |(j, s): (usize, f64)| {
+        let n = evidence.rows[j].len().max(1) as f64;
+        s / n / (noise.mean_square * evidence.sigma[j].powi(2)).max(f64::MIN_POSITIVE)
+    };
+    residual.squares().into_iter().enumerate().map(level).collect()
+}
+
 /// `top_hz`: beyond it filters have taken the noise away.
 fn ratio(rows: &[f64], rate_hz: f64, top_hz: f64) -> f64 {
     let power = periodogram(rows);
@@ -70,10 +79,6 @@ pub struct Remains {
 
 impl Remains {
     pub fn new(evidence: &Evidence<'_>, before: &Blocks, after: &Blocks, noise: Colour) -> Self {
-        let level = |(j, s): (usize, f64)| {
-            let n = evidence.rows[j].len().max(1) as f64;
-            s / n / (noise.mean_square * evidence.sigma[j].powi(2)).max(f64::MIN_POSITIVE)
-        };
         let in_band = |residual: &Blocks| {
             let levels = in_motion_band(evidence, residual).into_iter();
             levels.map(|level| level / noise.in_motion_band).collect()
@@ -81,8 +86,8 @@ impl Remains {
         Self {
             before: in_band(before),
             after: in_band(after),
-            chi2_before: before.squares().into_iter().enumerate().map(level).collect(),
-            chi2_per_sample: after.squares().into_iter().enumerate().map(level).collect(),
+            chi2_before: over_noise(evidence, before, noise),
+            chi2_per_sample: over_noise(evidence, after, noise),
         }
     }
 

@@ -10,6 +10,7 @@ use super::candidate::{Candidate, Extent};
 use super::chance::Chance;
 use super::colour::Colours;
 use super::evidence::Evidence;
+use super::leftover::over_noise;
 use super::model::Model;
 use super::rank::{Hypothesis, LEAST_NATS, State, acts_on, beyond, describe};
 use super::search::{self, Trial};
@@ -28,6 +29,9 @@ const LEAST_QUIET_GAIN: f64 = 0.05;
 const SURE_AND_SMALL_NATS: f64 = 100.0;
 /// Power in the motion's band over the noise from which something systematic may be left.
 const UNQUIET_BAND: f64 = 1.5;
+/// Mean square over the noise from which something fast may be left: play rattles, motors answer a
+/// ripple.
+const UNQUIET: f64 = 1.4;
 /// Surrogate gaps explained as well as the real one, at most, as a share.
 const LEVEL: f64 = 0.05;
 /// Frozen values that gain as much on the second recording need no surrogates: nothing was searched
@@ -98,9 +102,13 @@ impl<'a, 'e> Search<'a, 'e> {
         (rounds, model)
     }
 
-    /// Is there nothing but noise left where the arm moves?
+    /// Is there nothing but noise left, where the arm moves and above?
     fn is_quiet(&self, state: &State<'a, 'e>) -> bool {
-        self.in_motion_band(&state.fit, &state.residual).iter().all(|ratio| *ratio < UNQUIET_BAND)
+        let State { fit, residual } = state;
+        let noise = self.colours.of(&fit.system.residual, residual);
+        let all = over_noise(self.check, residual, noise);
+        let band = self.in_motion_band(fit, residual);
+        band.iter().all(|ratio| *ratio < UNQUIET_BAND) && all.iter().all(|ratio| *ratio < UNQUIET)
     }
 
     fn round(&self, state: &State<'a, 'e>) -> Round<'a, 'e> {
