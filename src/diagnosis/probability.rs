@@ -1,6 +1,7 @@
 //! How probable each candidate, "none" and "unknown" are.
 
 use super::leftover::{Remains, SYSTEMATIC};
+use super::rank::LEAST_NATS;
 
 /// Of "unknown": steepness over the logarithm of what is left, and over the share explained.
 const STEEP_LEFT: f64 = 4.0;
@@ -61,10 +62,12 @@ fn logistic(x: f64) -> f64 {
     1.0 / (1.0 + (-x).exp())
 }
 
-/// Probabilities from log-likelihoods in nats.
-pub fn shares(scores: &[f64]) -> Vec<f64> {
+/// Probabilities from log-likelihoods in nats, of which differences up to `tolerance` count as none:
+/// where signatures are inexact a nat says less, as much less as the tolerance is above the least.
+pub fn shares(scores: &[f64], tolerance: f64) -> Vec<f64> {
     let top = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let weights: Vec<f64> = scores.iter().map(|s| (s - top).exp()).collect();
+    let nats = (tolerance / LEAST_NATS).max(1.0);
+    let weights: Vec<f64> = scores.iter().map(|s| ((s - top) / nats).exp()).collect();
     let sum: f64 = weights.iter().sum();
     weights.iter().map(|w| w / sum.max(f64::MIN_POSITIVE)).collect()
 }
@@ -75,9 +78,11 @@ mod tests {
 
     #[test]
     fn shares_sum_to_one() {
-        let p = shares(&[1000.0, 999.0, -4000.0]);
+        let p = shares(&[1000.0, 999.0, -4000.0], LEAST_NATS);
         assert!((p.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         assert!((p[0] / p[1] - 1f64.exp()).abs() < 1e-9 && p[2] == 0.0);
+        let inexact = shares(&[1000.0, 999.0], 10.0 * LEAST_NATS);
+        assert!((inexact[0] / inexact[1] - 0.1f64.exp()).abs() < 1e-9);
     }
 
     #[test]

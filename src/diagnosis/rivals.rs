@@ -9,12 +9,15 @@ impl Findings<'_, '_> {
     /// The strongest cause's rivals, "none" and "unknown": what is at work first of all.
     pub(super) fn ranking(&self, unknown: f64) -> Vec<Ranked> {
         let Some(first) = self.account.rounds.first() else { return Vec::new() };
-        let (ranked, claim) = match self.account.standings.first() {
-            Some(strongest) => (&strongest.ranked, 1.0),
-            None => (&first.ranked, probability::of_declined(first.p, best_score(&first.ranked))),
+        let (ranked, tolerance, claim) = match self.account.standings.first() {
+            Some(strongest) => (&strongest.ranked, strongest.tolerance, 1.0),
+            None => {
+                let claim = probability::of_declined(first.p, best_score(&first.ranked));
+                (&first.ranked, first.tolerance, claim)
+            }
         };
         let scores: Vec<f64> = ranked.iter().map(|h| h.score).collect();
-        let shares = probability::shares(&scores);
+        let shares = probability::shares(&scores, tolerance);
         let known = 1.0 - unknown;
         let mut rows: Vec<Ranked> = ranked
             .iter()
@@ -94,11 +97,13 @@ pub fn named(h: &Hypothesis) -> Named {
     Named { effect: h.trial.candidate.name().into(), joints: h.trial.candidate.place.joints() }
 }
 
-/// Probability among its rivals.
-pub fn share_of(ranked: &[Hypothesis], h: &Hypothesis) -> f64 {
-    let usable: Vec<&Hypothesis> = ranked.iter().filter(|o| o.at_bound.is_none()).collect();
+/// Probability of a cause among its rivals.
+pub fn share_of(standing: &Standing) -> f64 {
+    let usable = standing.ranked.iter().filter(|o| o.at_bound.is_none());
+    let usable: Vec<&Hypothesis> = usable.collect();
     let scores: Vec<f64> = usable.iter().map(|o| o.score).collect();
-    let shares = probability::shares(&scores);
-    let found = usable.iter().position(|o| o.trial.candidate == h.trial.candidate);
+    let shares = probability::shares(&scores, standing.tolerance);
+    let mine = standing.cause().trial.candidate;
+    let found = usable.iter().position(|o| o.trial.candidate == mine);
     found.map_or(0.0, |i| shares[i])
 }

@@ -213,7 +213,7 @@ impl<'a, 'e> Findings<'a, 'e> {
             Cause {
                 effect: about.name.into(),
                 joints: h.trial.candidate.place.joints(),
-                probability: (1.0 - unknown) * share_of(&standing.ranked, h),
+                probability: (1.0 - unknown) * share_of(standing),
                 equivalent: equivalents(standing),
                 parameters: of(h),
                 shrink: self.pair(before, &h.residual, |pair| pair.checked(self.settings().seed)),

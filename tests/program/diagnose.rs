@@ -114,6 +114,32 @@ fn a_hidden_payload_is_named_and_the_mended_twin_has_no_gap() {
     assert!(again["causes"].as_array().unwrap().is_empty(), "{page}");
 }
 
+/// A bristle that bends by .1 mrad is a Stribeck curve to what samples at 125 Hz. The kink in the speed
+/// of a joint that breaks away, rounded off with all motion, must not keep it from being named.
+#[test]
+fn friction_that_drops_within_a_sample_is_named_by_what_lies_away_from_standstill() {
+    let lugre = "
+[effects.lugre]
+joints = [1]
+lugre = 6.6
+lugre_damping = 1.65
+lugre_width = 1e-4
+lugre_excess = 0.46
+lugre_velocity = 0.0235
+";
+    let quieter = SCENARIO.replace("snr_db = 30", "snr_db = 36").replace("[6.2,", "[0,");
+    let both = quieter.replace("kind = \"random_frequency\"", "kind = \"mixed\"\nseed = 6");
+    let folder = Folder::of(&format!("{both}{lugre}"));
+    let (found, page) = folder.diagnosed(TWIN, "out");
+    let cause = &found["causes"][0];
+    assert_eq!(cause["joints"], serde_json::json!([1]), "{page}");
+    let same = cause["equivalent"].as_array().unwrap().iter().map(|e| &e["effect"]);
+    let mut names = same.chain([&cause["effect"]]);
+    assert!(names.any(|name| name == "lugre"), "{cause}");
+    let notes = found["notes"].to_string();
+    assert!(notes.contains("s of standstill is left out"), "{notes}");
+}
+
 /// The motor's answer to blows, which torque shows and conditioned motion does not, is not taken for a
 /// smaller gap. How stiff the teeth are a base without load does not show.
 #[test]
