@@ -52,8 +52,8 @@ fn closed_form(name: &str) -> (Vec<f64>, Vec<[f64; 3]>, f64) {
         "base_tilt" => {
             (vec![0.0, 0.1, 0.0, 0.1], at(right_angle, 0.0, 0.0), 11.772 * f64::sin(0.1))
         }
-        // Shown upright, truly 1e-4 before it
-        "encoder_offset" => (vec![1e-4], at(right_angle, 0.0, 0.0), 1.1772e-3),
+        // Shown upright, truly 0.1 before it
+        "encoder_offset" => (vec![0.1, 0.1], at(right_angle, 0.0, 0.0), 11.772 * f64::sin(0.1)),
         // 10 % of 3 kg x 9.81 m/s2 x 0.4 m
         "torque_constant" => (vec![0.1], at(0.0, 0.0, 0.0), 1.1772),
         _ => panic!("{name}: work out a number by hand and put it here"),
