@@ -163,7 +163,7 @@ fn planned(twin: &Twin, like: &Samples, experiment: &Experiment, seed: u64) -> O
         qd,
         qdd,
         torque: JointSeries::zeros(dof, n),
-        recorded_qd: None,
+        sensed: None,
         temperature,
         usable: vec![true; n],
         notes: Vec::new(),

@@ -4,7 +4,8 @@
 //! searched (their columns by central differences), samples counted by what is independent in the
 //! residual. Where a step of Gauss and Newton on the check recording moves a value further than
 //! both variances allow, signatures are not exact and the interval is widened by that ratio
-//! (Birge, "The calculation of errors by the method of least squares", Phys. Rev. 40, 1932).
+//! (Birge, "The calculation of errors by the method of least squares", Phys. Rev. 40, 1932). The ends
+//! of a window of time are told otherwise (`windows`).
 
 use nalgebra::DVector;
 
@@ -13,7 +14,7 @@ use super::evidence::Evidence;
 use super::model::{Built, Fit, Model};
 use super::rank::effective_shares;
 use super::system::System;
-use super::{Value, slow};
+use super::{Value, slow, windows};
 use crate::effects::Role;
 use crate::statistics::normal_quantile;
 
@@ -49,17 +50,22 @@ pub(super) fn of_fit(fit: &Fit<'_, '_>, check: &Evidence<'_>, left: &Blocks) -> 
         let values = fit.values(i);
         let candidate = fit.model.causes[i].candidate;
         let parameters = candidate.effect.about().parameters.iter().zip(values).enumerate();
+        let windows = windows::intervals(fit, i);
+        let window = |k: usize| {
+            let at = |(end, _): &&(usize, [f64; 2])| candidate.linear() + end == k;
+            windows.as_ref()?.iter().find(at).map(|(_, ends)| *ends)
+        };
         let value = |(k, (p, value)): (usize, (&crate::effects::Parameter, f64))| {
             let half = places[i][k].map_or(0.0, |column| wide * variance(column).sqrt());
-            let half = half.max(resolution(fit, i, k));
+            let [low, high] = window(k).unwrap_or([value - half, value + half]);
             let [min, max] = candidate.range(k, fit.evidence.twin);
             let near = 1e-3 * (max - min).min(1e6);
             Value {
                 name: p.name.into(),
                 unit: p.unit.into(),
                 value,
-                low: (value - half).max(min),
-                high: (value + half).min(max),
+                low: low.max(min),
+                high: high.min(max),
                 at_bound: places[i][k].is_some()
                     && value != p.null
                     && (value <= min || value >= max - near),
@@ -69,16 +75,6 @@ pub(super) fn of_fit(fit: &Fit<'_, '_>, check: &Evidence<'_>, left: &Blocks) -> 
         own.map(value).collect()
     };
     (0..fit.model.causes.len()).map(cause).collect()
-}
-
-/// Of parameter `k` of cause `i`: the end of a window of time lies between two samples.
-fn resolution(fit: &Fit<'_, '_>, i: usize, k: usize) -> f64 {
-    let term = &fit.model.causes[i];
-    let window = |n: usize| term.candidate.effect.bracket(&term.nonlinear, n).is_some();
-    match k.checked_sub(term.candidate.linear()).is_some_and(window) {
-        true => fit.evidence.samples.dt,
-        false => 0.0,
-    }
 }
 
 /// Column of each parameter, cause by cause; `None` where it was not searched.
@@ -142,7 +138,7 @@ fn slope(
 }
 
 /// What a model gives at the values `x`, less the recorded torque, N.m.
-fn predicted(evidence: &Evidence<'_>, model: &Model, x: &DVector<f64>) -> Blocks {
+pub(super) fn predicted(evidence: &Evidence<'_>, model: &Model, x: &DVector<f64>) -> Blocks {
     let built = Built::new(evidence, model);
     let mut sum = built.y;
     sum.0.iter_mut().flatten().for_each(|v| *v = -*v);

@@ -46,6 +46,7 @@ mod testing;
 mod traces;
 mod untestable;
 mod verdict;
+mod windows;
 pub mod words;
 
 pub use answer::{

@@ -38,7 +38,7 @@ fn reason(fit: &Fit<'_, '_>, candidate: Candidate) -> Option<&'static str> {
     let about = candidate.effect.about();
     if candidate.senses() {
         // Asked of the channels themselves where both are recorded (`kinematics`).
-        let asked = fit.evidence.samples.recorded_qd.is_some() || candidate.place != Place::Arm;
+        let asked = fit.evidence.samples.sensed.is_some() || candidate.place != Place::Arm;
         return match about.name {
             "velocity_lag" if !asked => Some("no velocities are recorded beside the positions"),
             _ => None,

@@ -11,9 +11,6 @@ use rand_chacha::ChaCha8Rng;
 use super::*;
 use samples::{DT, Samples, pendulum};
 
-/// Columns that hold to first order: compared at values this much smaller, less exactly.
-const FIRST_ORDER: [&str; 1] = ["encoder_offset"];
-const SMALL: f64 = 1e-5;
 /// Degrees of freedom of their own: what they inject is tested in the simulation.
 const STRUCTURAL: [&str; 2] = ["backlash", "joint_flexibility"];
 
@@ -144,14 +141,10 @@ fn explains_what_it_injects() {
         let name = effect.about().name;
         for seed in 0..5 {
             let samples = Samples::random(seed);
-            let mut values = draw(effect, &mut rng);
-            let share = if FIRST_ORDER.contains(&name) { 1e-3 } else { 1e-9 };
-            if FIRST_ORDER.contains(&name) {
-                values.iter_mut().for_each(|v| *v *= SMALL);
-            }
+            let values = draw(effect, &mut rng);
             for from in 0..3 {
                 let explained = samples.explained(effect, &values, from);
-                assert_close(name, &explained, &samples.injected(effect, &values, from), share);
+                assert_close(name, &explained, &samples.injected(effect, &values, from), 1e-9);
             }
         }
     }

@@ -42,7 +42,7 @@ impl Effect for VelocityLag {
 
     fn measure(&self, values: &[f64], channels: &mut Channels) {
         if values[0] > 0.0 {
-            channels.qd = lagged(&channels.qd, values[0], channels.dt);
+            channels.qd = lagged(&channels.qd, &channels.qdd, values[0], channels.dt);
         }
     }
 
@@ -58,18 +58,29 @@ impl Effect for VelocityLag {
     }
 }
 
-/// The lag's exact answer to the line between neighbouring samples; settled at the first.
-fn lagged(x: &[f64], time_constant: f64, dt: f64) -> Vec<f64> {
-    let (decay, ratio) = ((-dt / time_constant).exp(), time_constant / dt);
+/// The lag's exact answer to the cubic through neighbouring samples with their slopes; settled at the
+/// first. Lines between samples would cut the corners of a motion that is bent there: a lag of 60 ms
+/// came out 10 us longer at 125 Hz.
+fn lagged(x: &[f64], slope: &[f64], time_constant: f64, dt: f64) -> Vec<f64> {
+    let decay = (-dt / time_constant).exp();
     let mut y = x.first().copied().unwrap_or(0.0);
-    let mut before = y;
-    let mut next = |&x: &f64| {
-        let rise = x - before;
-        y = x - ratio * rise + decay * (y - before + ratio * rise);
-        before = x;
+    let mut next = |k: usize| {
+        if let Some(before) = k.checked_sub(1) {
+            let [from, to] = followed(&x[before..=k], &slope[before..=k], time_constant, dt);
+            y = to + decay * (y - from);
+        }
         y
     };
-    x.iter().map(&mut next).collect()
+    (0..x.len()).map(&mut next).collect()
+}
+
+/// What a lag T that has settled shows at both ends of a cubic u: u - T u' + T^2 u'' - T^3 u'''.
+fn followed(x: &[f64], slope: &[f64], t: f64, dt: f64) -> [f64; 2] {
+    let mean = (x[1] - x[0]) / dt;
+    let third = 6.0 * (slope[0] + slope[1] - 2.0 * mean) / (dt * dt);
+    let second = (6.0 * mean - 4.0 * slope[0] - 2.0 * slope[1]) / dt;
+    let bend = [second, second + third * dt];
+    [0, 1].map(|i| x[i] - t * (slope[i] - t * (bend[i] - t * third)))
 }
 
 /// Central difference, one-sided at the ends.

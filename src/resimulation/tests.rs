@@ -76,7 +76,7 @@ fn held(pose: &[f64], torque: &[f64]) -> Samples {
         qd: JointSeries::zeros(6, n),
         qdd: JointSeries::zeros(6, n),
         torque: each(torque),
-        recorded_qd: None,
+        sensed: None,
         temperature: None,
         usable: vec![true; n],
         conditioning: Conditioning::default(),

@@ -3,8 +3,8 @@
 use super::channels::{Picked, pick};
 use super::tracking::tracked;
 use super::{
-    Conditioning, Derivatives, LowPass, Samples, SignalError, UniformGrid, central_difference,
-    erode, mean_difference, second_difference,
+    Conditioning, Derivatives, LowPass, Samples, Sensed, SignalError, UniformGrid,
+    central_difference, erode, mean_difference, second_difference,
 };
 use crate::recording::Recording;
 use crate::robot::Drive;
@@ -27,6 +27,8 @@ pub fn condition(
     let mut notes = std::mem::take(&mut picked.notes);
     notes.extend(describe(&grid, &recording.time));
     let carry = |s: &JointSeries| s.map_joints(|_, x| grid.resample(x));
+    let sensed = |qd| Sensed { q: carry(&picked.q), qd: carry(qd) };
+    let sensed = picked.unused_qd.as_ref().map(sensed);
     let motion = differentiate(&picked, carry, grid.dt, how)?;
     let usable = usable(&grid, how)?;
     let [q, qd, qdd] = motion;
@@ -37,7 +39,7 @@ pub fn condition(
         qd,
         qdd,
         torque: carry(&picked.torque),
-        recorded_qd: picked.unused_qd.as_ref().map(carry),
+        sensed,
         temperature: picked.temperature.as_ref().map(carry),
         usable,
         conditioning: how.clone(),

@@ -113,8 +113,8 @@ pub struct Samples {
     pub qdd: JointSeries,
     /// N.m at the joint, drive side.
     pub torque: JointSeries,
-    /// The recorded velocity, not filtered, where the motion is made from positions, rad/s.
-    pub recorded_qd: Option<JointSeries>,
+    /// Where velocities are recorded and the motion is made from positions.
+    pub sensed: Option<Sensed>,
     /// deg C, where recorded.
     pub temperature: Option<JointSeries>,
     /// False in the margins at both ends, in gaps and beside them; the same for every joint.
@@ -122,6 +122,13 @@ pub struct Samples {
     pub conditioning: Conditioning,
     /// What was resampled, filled or dropped, for people.
     pub notes: Vec<String>,
+}
+
+/// Position (rad) and velocity (rad/s) as recorded, not filtered.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensed {
+    pub q: JointSeries,
+    pub qd: JointSeries,
 }
 
 impl Samples {

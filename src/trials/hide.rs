@@ -189,13 +189,12 @@ impl Hiding {
     fn lag(&self, injection: &Injection, along: &Along<'_>) -> JointSeries {
         let mut error = JointSeries::zeros(along.qd.joints(), along.qd.samples());
         for (row, &joint) in injection.values.iter().zip(&injection.joints) {
-            let still = vec![0.0; along.qd.samples()];
             let mut channels = crate::effects::Channels {
                 dt: along.dt,
                 q: along.q.joint(joint).to_vec(),
                 qd: along.qd.joint(joint).to_vec(),
-                qdd: still.clone(),
-                torque: still,
+                qdd: along.qdd.joint(joint).to_vec(),
+                torque: vec![0.0; along.qd.samples()],
                 velocity_is_recorded: true,
             };
             injection.effect.measure(row, &mut channels);

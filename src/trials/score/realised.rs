@@ -61,7 +61,7 @@ fn samples(third: &Third) -> Samples {
         qd: third.qd.clone(),
         qdd: third.qdd.clone(),
         torque: third.torque.clone(),
-        recorded_qd: None,
+        sensed: None,
         temperature: Some(third.temperature.clone()),
         usable: vec![true; third.time.len()],
         conditioning,
