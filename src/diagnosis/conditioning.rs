@@ -8,7 +8,7 @@ use crate::signals::{Conditioning, Derivatives};
 const LONG: usize = 9000;
 
 /// Beside standstill where the torque is low-passed, s.
-const GUARD_S: f64 = 0.04;
+pub(super) const GUARD_S: f64 = 0.04;
 /// Where it is not: the first sample that slides again is half a standing one.
 const SHARP_GUARD_S: f64 = 0.008;
 
