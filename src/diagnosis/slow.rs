@@ -13,6 +13,7 @@ use super::floor::noise_floor;
 use super::intervals;
 use super::locate::refine_together;
 use super::model::{Fit, Model};
+use super::profile;
 use crate::signals::{Conditioning, Samples};
 
 /// Values of the causes that outrun the motion, with their indices; `None` where there are none, or
@@ -31,7 +32,8 @@ pub fn values(fit: &Fit<'_, '_>, check: &Evidence<'_>) -> Option<Vec<(usize, Vec
     let mut model: Model = fit.model.clone();
     refine_together(&on_fit, &mut model, &sought);
     let again = Fit::new(&on_fit, model);
-    let all = intervals::of_fit(&again, &on_check, &again.held_against(&on_check));
+    let mut all = intervals::of_fit(&again, &on_check, &again.held_against(&on_check));
+    sought.iter().for_each(|&i| profile::widen(&again, i, &mut all[i]));
     Some(all.into_iter().enumerate().filter(|(i, _)| sought.contains(i)).collect())
 }
 
