@@ -18,6 +18,8 @@ use crate::statistics::normal_quantile;
 
 /// Values along the range, by equal ratios.
 const POINTS: usize = 40;
+/// Of the distance between two of them, to find where an interval ends.
+const HALVINGS: usize = 5;
 
 /// Widens the intervals of cause `i`, where it acts at one joint and has one nonlinear parameter.
 pub fn widen(fit: &Fit<'_, '_>, i: usize, values: &mut [Value]) {
@@ -42,11 +44,10 @@ fn spans(fit: &Fit<'_, '_>, i: usize) -> Option<Vec<Span>> {
     let Place::Joint(joint) = term.candidate.place else { return None };
     let share = effective_shares(&fit.system.residual)[joint];
     let others = Fit::new(fit.evidence, fit.model.without(&[i]));
-    let now = search::tried(&others, term);
-    let [k] = now.searched()[..] else { return None };
-    let trials = along(&others, now, k)?;
-    let best = trials.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?;
+    let (k, mut trials) = along(&others, search::tried(&others, term))?;
+    let best = trials.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?.clone();
     let room = |t: &Trial| 0.5 * normal_quantile(1.0 - LEVEL).powi(2) - share * best.ahead_of(t);
+    trials.extend(edges(&others, &trials, k, |t| room(t) >= 0.0));
     let mut spans: Vec<Span> = Vec::new();
     for (trial, room) in trials.iter().map(|t| (t, room(t))).filter(|(_, room)| *room >= 0.0) {
         let deviations = (2.0 * room / share).sqrt();
@@ -62,9 +63,35 @@ fn spans(fit: &Fit<'_, '_>, i: usize) -> Option<Vec<Span>> {
     Some(spans)
 }
 
-/// The cause as it is, from one end to the other of nonlinear parameter `k`, and at the optima that
-/// this shows.
-fn along(others: &Fit<'_, '_>, now: Trial, k: usize) -> Option<Vec<Trial>> {
+/// The trials closest to where those that are `inside` end.
+fn edges(
+    others: &Fit<'_, '_>,
+    trials: &[Trial],
+    k: usize,
+    inside: impl Fn(&Trial) -> bool + Sync,
+) -> Vec<Trial> {
+    let edge = |pair: &[Trial]| {
+        let [mut within, mut beyond] = [pair[0].clone(), pair[1].clone()];
+        if inside(&beyond) {
+            std::mem::swap(&mut within, &mut beyond);
+        }
+        for _ in 0..HALVINGS {
+            let mut nonlinear = within.nonlinear.clone();
+            nonlinear[k] = (within.nonlinear[k] * beyond.nonlinear[k]).sqrt();
+            let middle = search::evaluate(others, &within, nonlinear);
+            let end = if inside(&middle) { &mut within } else { &mut beyond };
+            *end = middle;
+        }
+        within
+    };
+    let pairs: Vec<&[Trial]> = trials.windows(2).collect();
+    pairs.into_par_iter().filter(|p| inside(&p[0]) != inside(&p[1])).map(edge).collect()
+}
+
+/// The cause from one end of its nonlinear parameter to the other in order, with itself and the
+/// optima that this shows; and which parameter that is. `None` where there is more than one.
+fn along(others: &Fit<'_, '_>, now: Trial) -> Option<(usize, Vec<Trial>)> {
+    let [k] = now.searched()[..] else { return None };
     let [min, max] = now.candidate.range(now.candidate.linear() + k, others.evidence.twin);
     if now.candidate.senses() || min <= 0.0 {
         return None;
@@ -77,7 +104,8 @@ fn along(others: &Fit<'_, '_>, now: Trial, k: usize) -> Option<Vec<Trial>> {
     let mut trials: Vec<Trial> = (0..POINTS).into_par_iter().map(at).collect();
     let found = optima(others, &trials);
     trials.extend(found.into_iter().chain([now]));
-    Some(trials)
+    trials.sort_by(|a, b| a.nonlinear[k].total_cmp(&b.nonlinear[k]));
+    Some((k, trials))
 }
 
 /// Local optima among trials in order, refined, where they are hardly worse than the best.
