@@ -91,16 +91,19 @@ fn step(fit: &Fit<'_, '_>, evidence: &Evidence<'_>, left: &Blocks) -> (System, P
     (System::solve(columns, left, weights, &priors), places)
 }
 
-/// All columns on a recording, and where each parameter's is.
+/// All columns on a recording, and where each parameter's is. What a bound holds at zero is as
+/// uncertain as the rest, and makes the rest as uncertain.
 fn columns(fit: &Fit<'_, '_>, evidence: &Evidence<'_>) -> (Vec<Blocks>, Places) {
-    let mut columns = Built::new(evidence, &fit.model).columns;
+    let mut free = fit.model.clone();
+    free.causes.iter_mut().for_each(|t| t.held.fill(false));
+    let mut columns = Built::new(evidence, &free).columns;
     let mut places = Vec::new();
     for (i, term) in fit.model.causes.iter().enumerate() {
         let linear: Vec<usize> = fit.model.range(i).collect();
         let mut of_cause = Vec::new();
         for (k, p) in term.candidate.effect.about().parameters.iter().enumerate() {
             of_cause.push(match p.role {
-                Role::Linear => (!term.held[k]).then(|| linear[k]),
+                Role::Linear => Some(linear[k]),
                 Role::Nonlinear if term.searched.contains(&(k - linear.len())) => {
                     columns.push(slope(fit, evidence, i, k - linear.len(), p));
                     Some(columns.len() - 1)
@@ -144,4 +147,33 @@ pub(super) fn predicted(evidence: &Evidence<'_>, model: &Model, x: &DVector<f64>
     sum.0.iter_mut().flatten().for_each(|v| *v = -*v);
     built.columns.iter().zip(x.iter()).for_each(|(c, x)| sum.add_scaled(*x, c));
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::candidate::{Candidate, Place, Term};
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::testing::{noisy, samples};
+    use crate::effects::find;
+    use crate::twin::Twin;
+
+    /// A spring without hysteresis: that it is held at zero does not make it known.
+    #[test]
+    fn what_a_bound_holds_has_an_interval_too() {
+        let twin = Twin::default();
+        let mut made = samples(6, 3000, |j, t| 0.6 * ((0.9 + 0.1 * j as f64) * t).sin());
+        made.torque = twin.torque(&twin.motion(&made));
+        noisy(&mut made, 0.3);
+        let floor = noise_floor(&made, &twin);
+        let evidence = Evidence::new(&twin, &made, &floor).unwrap();
+        let effect = find("maxwell_slip").unwrap();
+        let candidate = Candidate { effect, place: Place::Joint(1) };
+        let held = vec![true, false, false];
+        let term = Term { held, ..Term::new(candidate, vec![0.01]) };
+        let fit = Fit::new(&evidence, Model::of(&twin).with(term));
+        let values = of_fit(&fit, &evidence, &fit.system.residual);
+        let held = &values[0][0];
+        assert!(held.value == 0.0 && held.low == 0.0 && held.high > 0.01, "{held:?}");
+    }
 }

@@ -27,6 +27,7 @@ mod model;
 mod newton;
 mod notes;
 mod probability;
+mod profile;
 mod rank;
 mod reasons;
 mod regimes;

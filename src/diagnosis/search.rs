@@ -155,6 +155,16 @@ pub fn evaluate(fit: &Fit, trial: &Trial, nonlinear: Vec<f64>) -> Trial {
     }
 }
 
+/// Standard deviations of a trial's linear parameters, its nonlinear ones given and all others free,
+/// in the noise that the trial leaves.
+pub fn spread(fit: &Fit, trial: &Trial) -> Vec<f64> {
+    let columns = fit.columns(trial.candidate, &trial.nonlinear);
+    let most = trial.most.max(f64::MIN_POSITIVE);
+    let noise = ((trial.most - trial.gain) / most).clamp(0.0, 1.0);
+    let variances = fit.system.project(&columns).variances();
+    variances.into_iter().map(|v| (noise * v).sqrt()).collect()
+}
+
 /// Refines the nonlinear parameters that differ among the starts, between the neighbouring
 /// starts, and lets references follow from what was fitted. A reference that cannot follow, because
 /// other parameters are still off, is refined as they are.

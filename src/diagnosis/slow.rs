@@ -7,11 +7,13 @@
 //! of 4 mrad at a UR5's base came out as 3.6 mrad, and a third of its stiffness).
 
 use super::Value;
+use super::conditioning::GUARD_S;
 use super::evidence::Evidence;
 use super::floor::noise_floor;
 use super::intervals;
 use super::locate::refine_together;
 use super::model::{Fit, Model};
+use super::profile;
 use crate::signals::{Conditioning, Samples};
 
 /// Values of the causes that outrun the motion, with their indices; `None` where there are none, or
@@ -30,15 +32,81 @@ pub fn values(fit: &Fit<'_, '_>, check: &Evidence<'_>) -> Option<Vec<(usize, Vec
     let mut model: Model = fit.model.clone();
     refine_together(&on_fit, &mut model, &sought);
     let again = Fit::new(&on_fit, model);
-    let all = intervals::of_fit(&again, &on_check, &again.held_against(&on_check));
+    let mut all = intervals::of_fit(&again, &on_check, &again.held_against(&on_check));
+    sought.iter().for_each(|&i| profile::widen(&again, i, &mut all[i]));
     Some(all.into_iter().enumerate().filter(|(i, _)| sought.contains(i)).collect())
 }
 
 /// The samples of a recording whose torque is taken as it is, to be low-passed as usual.
 fn low_passed(evidence: &Evidence<'_>) -> Option<Samples> {
     let samples = evidence.samples;
-    let Conditioning { torque_cutoff_hz, guard_s, .. } = Conditioning::default();
+    let torque_cutoff_hz = Conditioning::default().torque_cutoff_hz;
+    let guard_s = samples.conditioning.guard_s.max(GUARD_S);
     let conditioning = Conditioning { torque_cutoff_hz, guard_s, ..samples.conditioning.clone() };
     let sharp = samples.conditioning.torque_cutoff_hz == 0.0;
     sharp.then(|| Samples { conditioning, ..samples.clone() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::candidate::{Candidate, Place};
+    use crate::diagnosis::columns::Blocks;
+    use crate::diagnosis::search::{adopt, refine, screen};
+    use crate::diagnosis::testing::{noisy, samples};
+    use crate::effects::find;
+    use crate::signals::SavitzkyGolay;
+    use crate::twin::Twin;
+
+    const JOINT: usize = 3;
+    const LEVELS_NM: [f64; 3] = [0.5, 0.6, 0.4];
+    const WIDTH_RAD: f64 = 0.001;
+    /// kg m^2 that springs jerk, and for how long the controller lets them.
+    const INERTIA: f64 = 0.3;
+    const SLOW_HZ: f64 = 5.0;
+
+    /// A joint with springs instead of Coulomb friction. Its controller is slow: what it does not meet
+    /// of them jerks the arm, and accelerations are known below 12 Hz.
+    fn jerked(twin: &Twin) -> Samples {
+        let mut made = samples(6, 6000, |j, t| {
+            0.5 * ((1.1 + 0.1 * j as f64) * t).sin() + 0.2 * ((2.3 + 0.2 * j as f64) * t).cos()
+        });
+        let columns =
+            find("maxwell_slip").unwrap().columns(&twin.motion(&made), JOINT, &[WIDTH_RAD]);
+        let each = |k: usize| columns.iter().zip(LEVELS_NM).map(|(c, level)| level * c[k]).sum();
+        let friction: Vec<f64> = (0..made.len()).map(each).collect();
+        let met = SavitzkyGolay::with_cutoff(SLOW_HZ, made.rate_hz(), 2).apply(&friction, 0);
+        let jerk: Vec<f64> =
+            met.iter().zip(&friction).map(|(met, f)| (met - f) / INERTIA).collect();
+        let seen = SavitzkyGolay::with_cutoff(12.0, made.rate_hz(), 4).apply(&jerk, 0);
+        let mut known = made.clone();
+        known.qdd.joint_mut(JOINT).iter_mut().zip(&seen).for_each(|(a, seen)| *a += seen);
+        made.qdd.joint_mut(JOINT).iter_mut().zip(&jerk).for_each(|(a, jerk)| *a += jerk);
+        known.torque = twin.torque(&twin.motion(&made));
+        let torque = known.torque.joint_mut(JOINT);
+        torque.iter_mut().zip(&friction).for_each(|(t, f)| *t += f);
+        noisy(&mut known, 0.02);
+        known.conditioning.torque_cutoff_hz = 0.0;
+        known.conditioning.standstill_rad_s = 0.03;
+        known.conditioning.guard_s = 0.008;
+        known
+    }
+
+    #[test]
+    fn springs_that_jerk_an_arm_are_as_wide_as_they_are() {
+        let mut twin = Twin::default();
+        twin.drive.rotor_inertia = vec![INERTIA; 6];
+        let made = jerked(&twin);
+        let evidence = Evidence::new(&twin, &made, &noise_floor(&made, &twin)).unwrap();
+        let fit = Fit::new(&evidence, Model::of(&twin));
+        let effect = find("maxwell_slip").unwrap();
+        let candidate = Candidate { effect, place: Place::Joint(JOINT) };
+        let (start, _) = screen(&fit, &[candidate], &[]).remove(0);
+        let fit = adopt(&fit, &Model::of(&twin), &refine(&fit, &start));
+        let left: &Blocks = &fit.system.residual;
+        let width = |values: &[Vec<Value>]| values[0][3].value / WIDTH_RAD - 1.0;
+        let sharp = width(&intervals::of_fit(&fit, &evidence, left));
+        let slow = width(&intervals::values(&fit, &evidence, left));
+        assert!(sharp.abs() > 0.03 && slow.abs() < 0.01, "{sharp} {slow}");
+    }
 }

@@ -151,11 +151,8 @@ impl Projected {
     /// The new parameters within bounds, and the gain 1/2 (chi2 before - chi2 after).
     pub fn solve(&self, pull: &DVector<f64>, bounds: &Bounds) -> (DVector<f64>, f64) {
         let k = pull.len();
-        let scale = self.alone.map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
-        let scaled = DMatrix::from_fn(k, k, |i, j| {
-            self.information[(i, j)] / (scale[i] * scale[j]) + if i == j { RIDGE } else { 0.0 }
-        });
-        let Some(factor) = Cholesky::new(scaled) else { return (DVector::zeros(k), 0.0) };
+        let (scale, factor) = self.factor();
+        let Some(factor) = factor else { return (DVector::zeros(k), 0.0) };
         let r = factor.l().transpose();
         let target = factor.l().solve_lower_triangular(&pull.component_div(&scale));
         let Some(target) = target else { return (DVector::zeros(k), 0.0) };
@@ -171,6 +168,24 @@ impl Projected {
         }
         let gain = target.dot(&(&r * &z)) - 0.5 * (&r * &z).norm_squared();
         (z.component_div(&scale), gain.max(0.0))
+    }
+
+    /// The roots of the diagonal of C'C, and the information scaled by them.
+    fn factor(&self) -> (DVector<f64>, Option<Cholesky<f64, Dyn>>) {
+        let k = self.alone.len();
+        let scale = self.alone.map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
+        let scaled = DMatrix::from_fn(k, k, |i, j| {
+            self.information[(i, j)] / (scale[i] * scale[j]) + if i == j { RIDGE } else { 0.0 }
+        });
+        (scale, Cholesky::new(scaled))
+    }
+
+    /// Of the new parameters without bounds, given the weights.
+    pub fn variances(&self) -> Vec<f64> {
+        let (scale, factor) = self.factor();
+        let inverse = factor.map(|f| f.inverse());
+        let variance = |i: usize| inverse.as_ref().map_or(0.0, |v| v[(i, i)] / scale[i].powi(2));
+        (0..scale.len()).map(variance).collect()
     }
 
     /// How much of each new column no other column shows, 0 to 1.

@@ -1,5 +1,9 @@
 //! Samples made by hand for the tests of this room.
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
 use crate::series::JointSeries;
 use crate::signals::{Conditioning, Samples, central_difference, second_difference};
 
@@ -22,5 +26,16 @@ pub fn samples(joints: usize, n: usize, q: impl Fn(usize, f64) -> f64) -> Sample
         usable: (0..n).map(|k| k >= margin && k < n - margin).collect(),
         conditioning: Conditioning::default(),
         notes: Vec::new(),
+    }
+}
+
+/// Adds noise of this standard deviation to the torque of every joint, N.m.
+pub fn noisy(samples: &mut Samples, sigma: f64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for j in 0..samples.joints() {
+        for torque in samples.torque.joint_mut(j) {
+            let normal: f64 = StandardNormal.sample(&mut rng);
+            *torque += sigma * normal;
+        }
     }
 }

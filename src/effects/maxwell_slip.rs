@@ -74,6 +74,11 @@ impl Effect for MaxwellSlip {
         linear.iter().any(|level| *level != 0.0)
     }
 
+    /// The narrowest spring turns around within a sample or two, and the arm jerks.
+    fn outruns_motion(&self) -> bool {
+        true
+    }
+
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
         let q = motion.q.joint(joint);
         let element = |share: f64| along(q, |z, dq| slip(z, dq, share * nonlinear[0]));
