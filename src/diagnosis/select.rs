@@ -102,13 +102,19 @@ impl<'a, 'e> Search<'a, 'e> {
         (rounds, model)
     }
 
-    /// Is there nothing but noise left, where the arm moves and above?
+    /// Is there nothing but noise left, where the arm moves and above? What a motor answers faster
+    /// than motion is followed stays beside the cause that makes it.
     fn is_quiet(&self, state: &State<'a, 'e>) -> bool {
         let State { fit, residual } = state;
         let noise = self.colours.of(&fit.system.residual, residual);
-        let all = over_noise(self.check, residual, noise);
+        let answered = |j: usize| {
+            let mut fast = fit.model.causes.iter().map(|t| t.candidate);
+            fast.any(|c| c.effect.outruns_motion() && acts_on(c, j))
+        };
+        let all = over_noise(self.check, residual, noise).into_iter().enumerate();
         let band = self.in_motion_band(fit, residual);
-        band.iter().all(|ratio| *ratio < UNQUIET_BAND) && all.iter().all(|ratio| *ratio < UNQUIET)
+        let loud = all.filter(|(j, level)| *level > UNQUIET && !answered(*j)).count();
+        band.iter().all(|ratio| *ratio < UNQUIET_BAND) && loud == 0
     }
 
     fn round(&self, state: &State<'a, 'e>) -> Round<'a, 'e> {
