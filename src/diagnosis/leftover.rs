@@ -18,6 +18,9 @@ const QUIET: [f64; 2] = [0.5, 0.9];
 /// Ratios up to which nothing systematic is claimed: encoder noise through the arm's inertia and
 /// small errors of a signature stay below it.
 pub const SYSTEMATIC: f64 = 2.0;
+/// The same of all frequencies: play rattles, and what a motor answers to it is fast. Clean arms stay
+/// below 1.25.
+pub const LOUD: f64 = 1.4;
 /// Up to this, in the motion's band and in all, the best joint counts as at its noise: the twin is
 /// exact then.
 const EXACT: f64 = 2.0;
@@ -75,10 +78,17 @@ pub struct Remains {
     /// Mean square over that of the noise, per joint, before and after the causes.
     pub chi2_before: Vec<f64>,
     pub chi2_per_sample: Vec<f64>,
+    /// Is what is fast at a joint the motor's answer to something known (`Fit::answered`)?
+    pub answered: Vec<bool>,
 }
 
 impl Remains {
-    pub fn new(evidence: &Evidence<'_>, before: &Blocks, after: &Blocks, noise: Colour) -> Self {
+    pub fn new(
+        evidence: &Evidence<'_>,
+        [before, after]: [&Blocks; 2],
+        noise: Colour,
+        answered: Vec<bool>,
+    ) -> Self {
         let in_band = |residual: &Blocks| {
             let levels = in_motion_band(evidence, residual).into_iter();
             levels.map(|level| level / noise.in_motion_band).collect()
@@ -88,7 +98,13 @@ impl Remains {
             after: in_band(after),
             chi2_before: over_noise(evidence, before, noise),
             chi2_per_sample: over_noise(evidence, after, noise),
+            answered,
         }
+    }
+
+    /// Joints that hold more than noise at these levels of all frequencies.
+    pub fn loud<'a>(&'a self, levels: &'a [f64]) -> impl Iterator<Item = usize> + 'a {
+        (0..levels.len()).filter(|&j| levels[j] > LOUD && !self.answered[j])
     }
 
     /// How far from its noise even the best joint is: 1 for an exact twin.
@@ -128,14 +144,32 @@ impl Remains {
 pub fn leftover(remains: &Remains) -> Leftover {
     let worse: Vec<usize> =
         (0..remains.after.len()).filter(|&j| remains.after[j] > SYSTEMATIC).collect();
-    let each = |j: &usize| format!("joint {} ({:.0} times)", j + 1, remains.after[*j]);
-    let says = match worse.is_empty() {
-        true => "nothing systematic: where the arm moves there is no more than noise".into(),
-        false => format!(
+    let times = |joints: &[usize], levels: &[f64]| {
+        let each = joints.iter().map(|&j| match levels[j] < 10.0 {
+            true => format!("joint {} ({:.1} times)", j + 1, levels[j]),
+            false => format!("joint {} ({:.0} times)", j + 1, levels[j]),
+        });
+        each.collect::<Vec<_>>().join(", ")
+    };
+    let loud: Vec<usize> = remains.loud(&remains.chi2_per_sample).collect();
+    let slow = match (worse.is_empty(), loud.is_empty()) {
+        (true, true) => {
+            "nothing systematic: where the arm moves there is no more than noise".into()
+        }
+        (true, false) => format!("below {MOTION_HZ} Hz there is no more than noise"),
+        (false, _) => format!(
             "below {MOTION_HZ} Hz there is more than noise at {}",
-            worse.iter().map(each).collect::<Vec<_>>().join(", ")
+            times(&worse, &remains.after)
         ),
     };
+    let fast = match loud.is_empty() {
+        true => String::new(),
+        false => {
+            let joints = times(&loud, &remains.chi2_per_sample);
+            format!("; over all frequencies there is more at {joints}")
+        }
+    };
+    let says = format!("{slow}{fast}");
     Leftover {
         chi2_per_sample: remains.chi2_per_sample.clone(),
         in_motion_band: remains.after.clone(),

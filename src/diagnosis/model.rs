@@ -6,7 +6,7 @@ use super::Settings;
 use super::candidate::{Candidate, Place, Term, sense, shown};
 use super::columns::Blocks;
 use super::evidence::Evidence;
-use super::rank::effective_shares;
+use super::rank::{acts_on, effective_shares};
 use super::system::System;
 use crate::effects::{Mechanism, Motion, Rigid, Role, Scope, find};
 use crate::robot::Robot;
@@ -304,6 +304,17 @@ impl<'a, 'e> Fit<'a, 'e> {
             }
         }
         pushed.then_some(model)
+    }
+
+    /// Joints where something is at work, a cause or what the twin knows, that a motor answers faster
+    /// than motion is followed: what is fast there says nothing more.
+    pub fn answered(&self) -> Vec<bool> {
+        let known = self.evidence.twin.known().any(|e| e.outruns_motion());
+        let at = |j: usize| {
+            let mut causes = self.model.causes.iter().map(|t| t.candidate);
+            known || causes.any(|c| c.effect.outruns_motion() && acts_on(c, j))
+        };
+        (0..self.squares.len()).map(at).collect()
     }
 
     /// Values of cause `i`: linear, then nonlinear.

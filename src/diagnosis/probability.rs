@@ -1,10 +1,12 @@
 //! How probable each candidate, "none" and "unknown" are.
 
-use super::leftover::{Remains, SYSTEMATIC};
+use super::leftover::{LOUD, Remains, SYSTEMATIC};
 use super::rank::LEAST_NATS;
 
 /// Of "unknown": steepness over the logarithm of what is left, and over the share explained.
 const STEEP_LEFT: f64 = 4.0;
+/// Over that of what is left at all frequencies, which varies less.
+const STEEP_FAST: f64 = 16.0;
 const STEEP_SHARE: f64 = 10.0;
 /// Share of what was systematic that the causes have to explain.
 const LEAST_SHARE: f64 = 0.5;
@@ -46,8 +48,11 @@ pub fn of_unknown(remains: &Remains, joints: &[usize]) -> f64 {
 /// That something is at work although no cause could be told, by what stands out where the arm
 /// moves.
 pub fn of_something(remains: &Remains) -> f64 {
-    let worst = remains.before.iter().copied().fold(1.0, f64::max);
-    logistic(STEEP_LEFT * (worst / SYSTEMATIC).ln())
+    let worst = |levels: &mut dyn Iterator<Item = f64>| levels.fold(1.0, f64::max);
+    let slow = worst(&mut remains.before.iter().copied());
+    let loud = remains.loud(&remains.chi2_before).map(|j| remains.chi2_before[j]);
+    let fast = worst(&mut { loud });
+    logistic((STEEP_LEFT * (slow / SYSTEMATIC).ln()).max(STEEP_FAST * (fast / LOUD).ln()))
 }
 
 /// Of all candidates together where none was accepted, besides "unknown": what chance finds in a
@@ -92,6 +97,7 @@ mod tests {
             after: vec![after, 1.0],
             chi2_before: vec![3.0, 1.0],
             chi2_per_sample: vec![1.0; 2],
+            answered: vec![false; 2],
         };
         assert!(of_unknown(&remains(1.0), &[0]) < 0.05);
         assert!(of_unknown(&remains(20.0), &[0]) > 0.95);
@@ -100,6 +106,7 @@ mod tests {
             after: vec![40.0, 40.0],
             chi2_before: vec![300.0; 2],
             chi2_per_sample: vec![30.0; 2],
+            answered: vec![false; 2],
         };
         assert!(of_unknown(&inexact, &[0]) < 0.05);
     }
@@ -118,8 +125,14 @@ mod tests {
             after: vec![1.1, before],
             chi2_before: vec![1.0; 2],
             chi2_per_sample: vec![1.0; 2],
+            answered: vec![false; 2],
         };
         assert!(of_something(&remains(1.2)) < 0.15);
         assert!(of_something(&remains(8.0)) > 0.99);
+        let rattling = |chi2: f64| Remains { chi2_before: vec![1.0, chi2], ..remains(1.2) };
+        assert!(of_something(&rattling(1.2)) < 0.15);
+        assert!(of_something(&rattling(3.0)) > 0.99);
+        let answered = Remains { answered: vec![false, true], ..rattling(3.0) };
+        assert!(of_something(&answered) < 0.15);
     }
 }

@@ -10,7 +10,7 @@ use super::candidate::{Candidate, Extent};
 use super::chance::Chance;
 use super::colour::Colours;
 use super::evidence::Evidence;
-use super::leftover::over_noise;
+use super::leftover::Remains;
 use super::model::Model;
 use super::rank::{Hypothesis, LEAST_NATS, State, acts_on, beyond, describe};
 use super::search::{self, Trial};
@@ -29,9 +29,6 @@ const LEAST_QUIET_GAIN: f64 = 0.05;
 const SURE_AND_SMALL_NATS: f64 = 100.0;
 /// Power in the motion's band over the noise from which something systematic may be left.
 const UNQUIET_BAND: f64 = 1.5;
-/// Mean square over the noise from which something fast may be left: play rattles, motors answer a
-/// ripple.
-const UNQUIET: f64 = 1.4;
 /// Surrogate gaps explained as well as the real one, at most, as a share.
 const LEVEL: f64 = 0.05;
 /// Frozen values that gain as much on the second recording need no surrogates: nothing was searched
@@ -102,19 +99,13 @@ impl<'a, 'e> Search<'a, 'e> {
         (rounds, model)
     }
 
-    /// Is there nothing but noise left, where the arm moves and above? What a motor answers faster
-    /// than motion is followed stays beside the cause that makes it.
+    /// Is there nothing but noise left, where the arm moves and above?
     fn is_quiet(&self, state: &State<'a, 'e>) -> bool {
         let State { fit, residual } = state;
         let noise = self.colours.of(&fit.system.residual, residual);
-        let answered = |j: usize| {
-            let mut fast = fit.model.causes.iter().map(|t| t.candidate);
-            fast.any(|c| c.effect.outruns_motion() && acts_on(c, j))
-        };
-        let all = over_noise(self.check, residual, noise).into_iter().enumerate();
-        let band = self.in_motion_band(fit, residual);
-        let loud = all.filter(|(j, level)| *level > UNQUIET && !answered(*j)).count();
-        band.iter().all(|ratio| *ratio < UNQUIET_BAND) && loud == 0
+        let remains = Remains::new(self.check, [residual; 2], noise, fit.answered());
+        let quiet = remains.after.iter().all(|ratio| *ratio < UNQUIET_BAND);
+        quiet && remains.loud(&remains.chi2_per_sample).next().is_none()
     }
 
     fn round(&self, state: &State<'a, 'e>) -> Round<'a, 'e> {

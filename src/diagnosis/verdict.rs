@@ -11,7 +11,7 @@ use super::evidence::Evidence;
 use super::kinematics::{self, Lagging};
 use super::leftover::{Remains, SYSTEMATIC, leftover};
 use super::model::Fit;
-use super::rank::{Hypothesis, acts_on};
+use super::rank::{Hypothesis, State, acts_on};
 use super::revise::Standing;
 use super::rivals::{equivalents, named as name_of, ranked_with, share_of};
 use super::select::{Round, Search};
@@ -88,14 +88,15 @@ impl<'a, 'e> Findings<'a, 'e> {
         (best.score > cause.score + standing.tolerance).then_some([cause, best])
     }
 
+    /// What the gap comes to, and what a state leaves of it.
+    fn remains(&self, state: &State) -> Remains {
+        let residuals = [&self.account.start.residual, &state.residual];
+        Remains::new(self.search.check, residuals, self.noise, state.fit.answered())
+    }
+
     pub fn answer(&self) -> Diagnosis {
         let accepted = self.accepted();
-        let remains = Remains::new(
-            self.search.check,
-            &self.account.start.residual,
-            &self.account.last.residual,
-            self.noise,
-        );
+        let remains = self.remains(&self.account.last);
         let unknown = match accepted.is_empty() {
             true => probability::of_something(&remains),
             false if self.is_crowded() || self.outdone().is_some() => STANDS_IN,
@@ -110,12 +111,7 @@ impl<'a, 'e> Findings<'a, 'e> {
         };
         let sensor_alone = lag.is_some() && accepted.is_empty();
         causes.extend(lag);
-        let start = Remains::new(
-            self.search.check,
-            &self.account.start.residual,
-            &self.account.start.residual,
-            self.noise,
-        );
+        let start = self.remains(&self.account.start);
         let left = leftover(if named { &remains } else { &start });
         Diagnosis {
             schema: SCHEMA.into(),
@@ -181,12 +177,15 @@ impl<'a, 'e> Findings<'a, 'e> {
 
     fn verdict(&self, named: bool, sensor_alone: bool, remains: &Remains) -> Verdict {
         let systematic = |ratios: &[f64]| ratios.iter().any(|r| *r > SYSTEMATIC);
-        match (named || sensor_alone, systematic(&remains.after)) {
+        let loud = |levels: &[f64]| remains.loud(levels).next().is_some();
+        let left = systematic(&remains.after) || loud(&remains.chi2_per_sample);
+        match (named || sensor_alone, left) {
             (true, false) => Verdict::Explained,
             (true, true) => Verdict::PartlyExplained,
             (false, _)
                 if self.accepted().is_empty()
                     && !systematic(&remains.before)
+                    && !loud(&remains.chi2_before)
                     && self.lagging.is_none() =>
             {
                 Verdict::NoGap
