@@ -1,7 +1,7 @@
 //! Parameters at the end of their range: what fits only there is no explanation.
 
-use super::model::Fit;
-use super::rank::{LEAST_NATS, gain};
+use super::model::{Fit, Model};
+use super::rank::{LEAST_NATS, beyond, gain};
 use super::search::{self, Trial, evaluate};
 use crate::effects::Role;
 
@@ -34,6 +34,22 @@ impl<'f, 'a, 'e> Adopted<'f, 'a, 'e> {
         let others = self.moved(i).into_iter().map(|trial| Self::new(self.before, trial));
         let inside = others.filter(|other| other.at_bound.is_none() && costs(other) < LEAST_NATS);
         inside.min_by(|a, b| costs(a).total_cmp(&costs(b))).unwrap_or(self)
+    }
+
+    /// The same with the twin's friction held at zero, where it would have to push: a bristle stands in
+    /// place of Coulomb friction, and what is wrong with its shape is made up for by the sign.
+    pub fn without_pushing(self) -> Self {
+        let extent = self.trial.candidate.extent();
+        if beyond(self.before, &self.fit, extent).is_none() {
+            return self;
+        }
+        let Some(held) = self.fit.without_pushing() else { return self };
+        let model = Model { open: held.open, ..self.before.model.clone() };
+        let alone = Fit::new(self.fit.evidence, model);
+        let trial = search::refine(&alone, &self.trial);
+        let fit = search::adopt(&alone, &alone.model, &trial);
+        let at_bound = at_bound(&fit, &trial);
+        Self { trial, fit, at_bound, before: self.before }
     }
 
     /// With parameter `i` elsewhere: a linear one at its null value, a nonlinear one at its starts.

@@ -71,9 +71,8 @@ pub fn lagging(fit: &Evidence<'_>, check: &Evidence<'_>, settings: &Settings) ->
     };
     let more = |lag: Lag, j: usize| Lag { value: lag.value - known(j), ..lag };
     let both = |j: usize| channels.each_ref().map(|c| more(slope_of(c, j), j));
-    let agreed = joints.filter_map(|j| agreed(j, both(j), &channels[1]));
-    let least = SIMULTANEOUS * fit.samples.dt;
-    let late: Vec<(usize, Lag)> = agreed.filter(|(_, lag)| lag.value > least).collect();
+    let late = joints.filter_map(|j| agreed(j, both(j), &channels[1]));
+    let late: Vec<(usize, Lag)> = late.collect();
     let strongest = late.iter().max_by(|a, b| a.1.z().total_cmp(&b.1.z()))?;
     let all = pooled(&late);
     let alike =
@@ -84,6 +83,9 @@ pub fn lagging(fit: &Evidence<'_>, check: &Evidence<'_>, settings: &Settings) ->
         true => (late.iter().map(|(j, _)| *j).collect(), all),
         false => (vec![strongest.0], strongest.1),
     };
+    if lag.value <= SIMULTANEOUS * fit.samples.dt {
+        return None;
+    }
     let late = Late { joints, lag };
     let shrink = in_torque(check, &channels[1], &late, settings.seed);
     Some(Lagging { joints: late.joints, lag, whole_arm, shrink })

@@ -2,6 +2,7 @@
 //! slides again: rows that near standstill say nothing then.
 
 use super::model::Fit;
+use super::select::{Round, SURE_NATS};
 use crate::effects::{Effect, find};
 
 const EFFECT: &str = "time_delay";
@@ -16,6 +17,15 @@ pub fn delay(fit: &Fit) -> f64 {
         effect.about().parameters.iter().position(|p| p.name == EFFECT)
     });
     late.filter_map(|(i, _)| fit.values(i).get(place?).copied()).fold(0.0, f64::max)
+}
+
+/// The same of what explains the first recording best and fails on the second, as a delay does where
+/// the torque of standing joints is taken for that of sliding ones.
+pub fn suspected(rounds: &[Round<'_, '_>]) -> f64 {
+    let last = rounds.last().filter(|round| round.accepted.is_none());
+    let best = last.and_then(|round| round.ranked.first());
+    let late = best.filter(|h| h.trial.candidate.name() == EFFECT && h.gain_fit >= SURE_NATS);
+    late.and_then(|h| h.trial.nonlinear.first()).copied().unwrap_or(0.0)
 }
 
 /// What is left out beside standstill for this delay, s.

@@ -155,6 +155,8 @@ struct Found {
     traces: Traces,
     /// How late the torque is by the causes that were found, 0 if it is not.
     delay_s: f64,
+    /// How late it may be by what was declined.
+    suspected_s: f64,
     /// What does better than the strongest cause, but cannot be named.
     outdone: Option<Named>,
 }
@@ -177,6 +179,7 @@ fn once(
     let answer = findings.answer();
     let traces = Traces::new(&findings, &answer);
     let delay_s = late::delay(&findings.account.last.fit);
+    let suspected_s = late::suspected(&findings.account.rounds);
     let outdone = findings.outdone().map(|[_, best]| rivals::named(best));
-    Ok(Found { answer, traces, delay_s, outdone })
+    Ok(Found { answer, traces, delay_s, suspected_s, outdone })
 }

@@ -90,7 +90,8 @@ impl<'a, 'e> Search<'a, 'e> {
     }
 
     fn hypothesis(&self, state: &State<'a, 'e>, trial: &Trial) -> Hypothesis<'a, 'e> {
-        let Adopted { trial, fit, at_bound, .. } = Adopted::new(&state.fit, trial.clone()).inside();
+        let adopted = Adopted::new(&state.fit, trial.clone()).inside();
+        let Adopted { trial, fit, at_bound, .. } = adopted.without_pushing();
         let residual = fit.held_against(self.check);
         let nothing = 0.0;
         Hypothesis {

@@ -33,7 +33,7 @@ const UNQUIET_BAND: f64 = 1.5;
 const LEVEL: f64 = 0.05;
 /// Frozen values that gain as much on the second recording need no surrogates: nothing was searched
 /// there, and short slow motions leave surrogates few frequencies to differ in.
-const SURE_NATS: f64 = 50.0;
+pub const SURE_NATS: f64 = 50.0;
 
 /// One round of the search.
 #[derive(Clone)]

@@ -13,7 +13,7 @@ impl Found {
     /// How much beside standstill has to be left out before this can be believed, s.
     pub(super) fn guard_s(&self) -> f64 {
         let breakaway = if self.outdone.is_some() { GUARD_S } else { 0.0 };
-        late::guard_s(self.delay_s).max(breakaway)
+        late::guard_s(self.delay_s.max(self.suspected_s)).max(breakaway)
     }
 
     /// A pass with fewer rows, where it says what the first could not.
