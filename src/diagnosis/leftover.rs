@@ -107,6 +107,12 @@ impl Remains {
         (0..levels.len()).filter(|&j| levels[j] > LOUD && !self.answered[j])
     }
 
+    /// Did nothing stand out before the causes, where the arm moves and above?
+    pub fn were_quiet(&self) -> bool {
+        let slow = self.before.iter().all(|ratio| *ratio <= SYSTEMATIC);
+        slow && self.loud(&self.chi2_before).next().is_none()
+    }
+
     /// How far from its noise even the best joint is: 1 for an exact twin.
     pub fn inexactness(&self) -> f64 {
         let each = self.after.iter().zip(&self.chi2_per_sample).map(|(a, c)| a.max(*c));

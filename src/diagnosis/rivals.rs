@@ -6,12 +6,13 @@ use super::verdict::Findings;
 use super::{Cause, Named, Ranked, probability};
 
 impl Findings<'_, '_> {
-    /// The strongest cause's rivals, "none" and "unknown": what is at work first of all.
-    pub(super) fn ranking(&self, unknown: f64) -> Vec<Ranked> {
+    /// The strongest cause's rivals, "none" and "unknown": what is at work first of all. If nothing is
+    /// `claimed`, what was found counts as declined.
+    pub(super) fn ranking(&self, unknown: f64, claimed: bool) -> Vec<Ranked> {
         let Some(first) = self.account.rounds.first() else { return Vec::new() };
         let (ranked, tolerance, claim) = match self.account.standings.first() {
-            Some(strongest) => (&strongest.ranked, strongest.tolerance, 1.0),
-            None => {
+            Some(strongest) if claimed => (&strongest.ranked, strongest.tolerance, 1.0),
+            _ => {
                 let claim = probability::of_declined(first.p, best_score(&first.ranked));
                 (&first.ranked, first.tolerance, claim)
             }
@@ -52,8 +53,8 @@ impl Findings<'_, '_> {
             gain_fit: 0.0,
             gain_check: 0.0,
         };
-        let claimed: f64 = rows.iter().map(|r| r.probability).sum();
-        rows.push(rest("none", (known - claimed).max(0.0)));
+        let sum: f64 = rows.iter().map(|r| r.probability).sum();
+        rows.push(rest("none", (known - sum).max(0.0)));
         rows.push(rest("unknown", unknown));
         rows.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         rows

@@ -97,12 +97,19 @@ impl<'a, 'e> Findings<'a, 'e> {
     pub fn answer(&self) -> Diagnosis {
         let accepted = self.accepted();
         let remains = self.remains(&self.account.last);
+        let start = self.remains(&self.account.start);
+        let quiet = start.were_quiet();
         let unknown = match accepted.is_empty() {
             true => probability::of_something(&remains),
             false if self.is_crowded() || self.outdone().is_some() => STANDS_IN,
             false => probability::of_unknown(&remains, &self.touched()),
         };
         let named = !accepted.is_empty() && unknown <= ABSTAIN;
+        // What cannot be named where nothing stands out is no gap.
+        let unknown = match !named && quiet {
+            true => probability::of_something(&start),
+            false => unknown,
+        };
         let mut causes = if named { self.causes(unknown) } else { Vec::new() };
         let lag = self.lagging.as_ref().and_then(|l| l.cause(self.settings()));
         let unknown = match (&self.lagging, &lag) {
@@ -111,12 +118,11 @@ impl<'a, 'e> Findings<'a, 'e> {
         };
         let sensor_alone = lag.is_some() && accepted.is_empty();
         causes.extend(lag);
-        let start = self.remains(&self.account.start);
         let left = leftover(if named { &remains } else { &start });
         Diagnosis {
             schema: SCHEMA.into(),
             armtwin: env!("CARGO_PKG_VERSION").into(),
-            verdict: self.verdict(named, sensor_alone, &remains),
+            verdict: self.verdict(named || sensor_alone, quiet, &remains),
             fitted_before: self.fitted(&self.account.start.fit),
             fitted: self.fitted(if named {
                 &self.account.last.fit
@@ -125,7 +131,10 @@ impl<'a, 'e> Findings<'a, 'e> {
             }),
             gap: self.gap(),
             shrink: Shrink { torque: self.shrink(named), simulation: None },
-            ranking: ranked_with(&causes[..usize::from(sensor_alone)], self.ranking(unknown)),
+            ranking: ranked_with(
+                &causes[..usize::from(sensor_alone)],
+                self.ranking(unknown, named || !quiet),
+            ),
             untestable: untestable(&self.account.last.fit, &self.search.candidates),
             rejected: self.rejected(),
             leftover: left,
@@ -175,21 +184,13 @@ impl<'a, 'e> Findings<'a, 'e> {
         Some([best.next()?, best.next()?])
     }
 
-    fn verdict(&self, named: bool, sensor_alone: bool, remains: &Remains) -> Verdict {
-        let systematic = |ratios: &[f64]| ratios.iter().any(|r| *r > SYSTEMATIC);
-        let loud = |levels: &[f64]| remains.loud(levels).next().is_some();
-        let left = systematic(&remains.after) || loud(&remains.chi2_per_sample);
-        match (named || sensor_alone, left) {
+    fn verdict(&self, named: bool, quiet: bool, remains: &Remains) -> Verdict {
+        let systematic = remains.after.iter().any(|r| *r > SYSTEMATIC);
+        let left = systematic || remains.loud(&remains.chi2_per_sample).next().is_some();
+        match (named, left) {
             (true, false) => Verdict::Explained,
             (true, true) => Verdict::PartlyExplained,
-            (false, _)
-                if self.accepted().is_empty()
-                    && !systematic(&remains.before)
-                    && !loud(&remains.chi2_before)
-                    && self.lagging.is_none() =>
-            {
-                Verdict::NoGap
-            }
+            (false, _) if quiet && self.lagging.is_none() => Verdict::NoGap,
             _ => Verdict::Unexplained,
         }
     }
