@@ -122,11 +122,9 @@ mod tests {
     use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::model::Model;
     use crate::diagnosis::search::screen;
-    use crate::diagnosis::testing::samples;
+    use crate::diagnosis::testing::{noisy, samples};
     use crate::effects::find;
     use crate::twin::Twin;
-    use rand::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
 
     const JOINT: usize = 2;
     const LEVEL_NM: f64 = 6.0;
@@ -141,12 +139,9 @@ mod tests {
         let motion = twin.motion(&made);
         let bristle = lugre.columns(&motion, JOINT, &truth).swap_remove(0);
         let mut torque = twin.torque(&motion);
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(3);
-        for (t, z) in torque.joint_mut(JOINT).iter_mut().zip(bristle) {
-            let noise: f64 = StandardNormal.sample(&mut rng);
-            *t += LEVEL_NM * z + NOISE_NM * noise;
-        }
+        torque.joint_mut(JOINT).iter_mut().zip(bristle).for_each(|(t, z)| *t += LEVEL_NM * z);
         made.torque = torque;
+        noisy(&mut made, NOISE_NM);
         let floor = noise_floor(&made, &twin);
         let evidence = Evidence::new(&twin, &made, &floor).unwrap();
         let fit = Fit::new(&evidence, Model::of(&twin));

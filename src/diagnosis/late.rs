@@ -19,7 +19,7 @@ pub fn delay(fit: &Fit) -> f64 {
     late.filter_map(|(i, _)| fit.values(i).get(place?).copied()).fold(0.0, f64::max)
 }
 
-/// The same of what explains the first recording best and fails on the second, as a delay does where
+/// The same, s, of what explains the first recording best and fails on the second, as a delay does where
 /// the torque of standing joints is taken for that of sliding ones.
 pub fn suspected(rounds: &[Round<'_, '_>]) -> f64 {
     let last = rounds.last().filter(|round| round.accepted.is_none());

@@ -48,10 +48,9 @@ pub fn of_unknown(remains: &Remains, joints: &[usize]) -> f64 {
 /// That something is at work although no cause could be told, by what stands out where the arm
 /// moves.
 pub fn of_something(remains: &Remains) -> f64 {
-    let worst = |levels: &mut dyn Iterator<Item = f64>| levels.fold(1.0, f64::max);
-    let slow = worst(&mut remains.before.iter().copied());
+    let slow = remains.before.iter().copied().fold(1.0, f64::max);
     let loud = remains.loud(&remains.chi2_before).map(|j| remains.chi2_before[j]);
-    let fast = worst(&mut { loud });
+    let fast = loud.fold(1.0, f64::max);
     logistic((STEEP_LEFT * (slow / SYSTEMATIC).ln()).max(STEEP_FAST * (fast / LOUD).ln()))
 }
 
