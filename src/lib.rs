@@ -24,6 +24,7 @@ pub mod kernels;
 pub mod motion;
 pub mod motor;
 pub mod recording;
+pub mod regression;
 pub mod report;
 pub mod resimulation;
 pub mod robot;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::identification::bounds::Bounds;
+use crate::regression::bounds::Bounds;
 use crate::identification::levenberg_marquardt as lm;
 use crate::identification::problem::JointProblem;
 use crate::identification::quadratic::QuadraticCost;

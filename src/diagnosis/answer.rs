@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::Episode;
+use super::criteria::Criteria;
 
 /// In one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,8 +37,8 @@ pub struct Diagnosis {
     pub untestable: Vec<Untestable>,
     /// Candidates that fit only with an unphysical sign or at a bound.
     pub rejected: Vec<Rejected>,
-    /// What is left when all causes are taken off.
-    pub leftover: Leftover,
+    /// What the causes leave of the check recording.
+    pub unexplained: Unexplained,
     pub next_experiment: String,
     /// Stretches whose gap stands out against anything the other recording shows.
     #[serde(default)]
@@ -50,6 +51,9 @@ pub struct Diagnosis {
     /// The search, round by round: the evidence.
     #[serde(default)]
     pub rounds: Vec<RoundEvidence>,
+    /// The constants that decided.
+    #[serde(default)]
+    pub criteria: Criteria,
     /// What was noticed on the way, for people.
     pub notes: Vec<String>,
 }
@@ -100,15 +104,34 @@ pub struct Cause {
     pub effect: String,
     /// From 1 at the base; empty: the whole arm.
     pub joints: Vec<usize>,
+    /// That this effect is there, beside its rivals, nothing, and a discrepancy of any shape.
     pub probability: f64,
-    /// What would look the same in these data.
+    /// What would look the same in these data, the more plausible first.
     pub equivalent: Vec<Named>,
     pub parameters: Vec<Value>,
-    /// On the check recording, when this cause is added to all the others.
+    /// On the check recording, when this cause is added to all the others; values from the fit
+    /// recording alone.
     pub shrink: Checked,
+    /// Is a value changed that the twin states?
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub replaces: Option<Replaced>,
+    /// The recording it acts in (`fit`, `check`) where it is not in both.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recording: Option<String>,
+    /// Does a search of the fit recording alone find it too?
+    #[serde(default)]
+    pub found_without_check: bool,
     /// One line each, from the catalogue.
     pub cause: String,
     pub remedy: String,
+}
+
+/// A value that the twin states and that is another.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Replaced {
+    pub parameter: String,
+    /// What the twin states, in the parameter's unit.
+    pub twin: f64,
 }
 
 /// An effect and where it acts.
@@ -192,9 +215,8 @@ pub struct Ranked {
     pub effect: String,
     pub joints: Vec<usize>,
     pub probability: f64,
-    /// Gain in log-likelihood over the twin on the recording it was fitted on, and on the check.
-    pub gain_fit: f64,
-    pub gain_check: f64,
+    /// Evidence over what else is there, beside the discrepancy, nats.
+    pub nats: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -211,30 +233,47 @@ pub struct Rejected {
     pub why: String,
 }
 
+/// What the causes leave of the check recording.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Leftover {
-    /// Per joint: mean square of what is left over that of the noise; 1 where nothing is.
-    pub chi2_per_sample: Vec<f64>,
-    /// Per joint: power below 4 Hz over that where nothing moves (over what noise with a colour has
-    /// there, where it has one); 1 for noise.
-    #[serde(default)]
-    pub in_motion_band: Vec<f64>,
-    pub systematic: bool,
-    /// What it goes along with, for people.
-    pub says: String,
+pub struct Unexplained {
+    /// Root mean square over all joints, N.m.
+    pub rms_nm: f64,
+    /// Of the mean square before.
+    pub fraction: f64,
+    /// Is it more than noise?
+    pub above_noise: bool,
+    pub joints: Vec<UnexplainedJoint>,
 }
 
-/// One round of the search: a cause was added, or none.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct UnexplainedJoint {
+    /// From 1 at the base.
+    pub joint: usize,
+    /// N.m
+    pub rms_nm: f64,
+    /// Of the noise alone, N.m.
+    pub noise_floor_nm: f64,
+    /// The discrepancy the evidence asks for beside the causes, N.m; 0: none.
+    pub discrepancy_nm: f64,
+    /// What it goes along with, most first.
+    pub depends_on: Vec<Dependence>,
+}
+
+/// A variable that what is left depends on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Dependence {
+    /// `q_2`, `qd_2`, `load_2` (a joint's angle, speed, load, from 1), `temperature_2`, `time`.
+    pub variable: String,
+    /// Of the mean square of what is left, as a curve over the variable learned from the fit recording
+    /// predicts it on the check.
+    pub share: f64,
+}
+
+/// One round of the search: causes were added, or none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RoundEvidence {
-    /// Share of surrogate gaps that a search explains as well as the real one.
-    pub p: f64,
-    /// Power in the motion's band over the noise, per joint, before this round.
-    pub in_motion_band: Vec<f64>,
-    pub accepted: Option<Named>,
-    /// Why nothing was added.
-    pub declined: Option<String>,
-    /// The best, by score.
+    pub added: Vec<Named>,
+    /// What was weighed, best first.
     pub ranked: Vec<Scored>,
 }
 
@@ -242,10 +281,8 @@ pub struct RoundEvidence {
 pub struct Scored {
     pub effect: String,
     pub joints: Vec<usize>,
-    /// `gain_fit` + `gain_check` less the price of the parameters, nats.
-    pub score: f64,
-    pub gain_fit: f64,
-    pub gain_check: f64,
+    /// Evidence over the state before, its prior odds included, nats.
+    pub nats: f64,
     pub at_bound: Option<String>,
     /// In the order of the effect's parameters.
     pub values: Vec<f64>,

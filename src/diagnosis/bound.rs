@@ -1,55 +1,37 @@
 //! Parameters at the end of their range: what fits only there is no explanation.
 
-use super::model::{Fit, Model};
-use super::rank::{LEAST_NATS, beyond, gain};
-use super::search::{self, Trial, evaluate};
+use super::fit::Fit;
+use super::refine::{Trial, evaluate};
 use crate::effects::Role;
 
 /// A trial made a cause of the model it was tried on.
-pub struct Adopted<'f, 'a, 'e> {
+pub struct Adopted<'f, 'a> {
     pub trial: Trial,
-    pub fit: Fit<'a, 'e>,
+    pub fit: Fit<'a>,
     /// A parameter at a bound that is not its null value.
     pub at_bound: Option<&'static str>,
-    before: &'f Fit<'a, 'e>,
+    before: &'f Fit<'a>,
 }
 
-impl<'f, 'a, 'e> Adopted<'f, 'a, 'e> {
-    pub fn new(before: &'f Fit<'a, 'e>, trial: Trial) -> Self {
-        let fit = search::adopt(before, &before.model, &trial);
+impl<'f, 'a> Adopted<'f, 'a> {
+    /// Beside a discrepancy of the sizes it had before.
+    pub fn new(before: &'f Fit<'a>, trial: Trial) -> Self {
+        let fit = Fit::new(before.data, before.model.with(trial.term()), before.sizes.clone());
         let at_bound = at_bound(&fit, &trial);
         Self { trial, fit, at_bound, before }
     }
 
-    /// The same without a parameter at a bound, where that costs next to nothing: a search wanders
-    /// to the end of what the data do not tell.
-    pub fn inside(self) -> Self {
+    /// The same without a parameter at a bound, where that costs less than `tolerance` nats: a search
+    /// wanders to the end of what the data do not tell.
+    pub fn inside(self, tolerance: f64) -> Self {
         let Some(name) = self.at_bound else { return self };
         let parameters = self.trial.candidate.effect.about().parameters.iter();
         let Some(i) = parameters.clone().position(|p| p.name == name) else { return self };
-        let costs = |other: &Self| {
-            let every = vec![1.0; self.fit.squares.len()];
-            gain(self.fit.evidence, &other.fit.squares, &self.fit.squares, &every)
-        };
+        let best = self.fit.ln_evidence();
+        let costs = |other: &Self| best - other.fit.ln_evidence();
         let others = self.moved(i).into_iter().map(|trial| Self::new(self.before, trial));
-        let inside = others.filter(|other| other.at_bound.is_none() && costs(other) < LEAST_NATS);
+        let inside = others.filter(|other| other.at_bound.is_none() && costs(other) < tolerance);
         inside.min_by(|a, b| costs(a).total_cmp(&costs(b))).unwrap_or(self)
-    }
-
-    /// The same with the twin's friction held at zero, where it would have to push: a bristle stands in
-    /// place of Coulomb friction, and what is wrong with its shape is made up for by the sign.
-    pub fn without_pushing(self) -> Self {
-        let extent = self.trial.candidate.extent();
-        if beyond(self.before, &self.fit, extent).is_none() {
-            return self;
-        }
-        let Some(held) = self.fit.without_pushing() else { return self };
-        let model = Model { open: held.open, ..self.before.model.clone() };
-        let alone = Fit::new(self.fit.evidence, model);
-        let trial = search::refine(&alone, &self.trial);
-        let fit = search::adopt(&alone, &alone.model, &trial);
-        let at_bound = at_bound(&fit, &trial);
-        Self { trial, fit, at_bound, before: self.before }
     }
 
     /// With parameter `i` elsewhere: a linear one at its null value, a nonlinear one at its starts.
@@ -74,19 +56,20 @@ impl<'f, 'a, 'e> Adopted<'f, 'a, 'e> {
 
 /// Does nonlinear parameter `k` bend the first column? One that bends others alone (how a cable's
 /// hysteresis slips) is arbitrary where there is little of those.
-fn shapes_the_effect(fit: &Fit, trial: &Trial, k: usize) -> bool {
+fn shapes_the_effect(fit: &Fit<'_>, trial: &Trial, k: usize) -> bool {
     let start = trial.starts.iter().find(|s| s[k] != trial.nonlinear[k]);
     let (Some(start), false) = (start, trial.candidate.senses()) else { return true };
     let mut moved = trial.nonlinear.clone();
     moved[k] = start[k];
-    let first = |nonlinear: &[f64]| fit.columns(trial.candidate, nonlinear).into_iter().next();
-    first(&moved) != first(&trial.nonlinear)
+    let first = |nonlinear: &[f64]| fit.raw(trial.candidate, nonlinear).into_iter().next();
+    let [a, b] = [first(&moved), first(&trial.nonlinear)].map(|c| c.map(|c| c.rows));
+    a != b
 }
 
 /// The first parameter of the last cause that sits at a bound: the first of all where its linear
 /// ones do not make the effect that it is, a linear one at the end of its range, a nonlinear one at
 /// the end of its range unless a search starts there.
-pub fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
+pub fn at_bound(fit: &Fit<'_>, trial: &Trial) -> Option<&'static str> {
     let last = fit.model.causes.len() - 1;
     let candidate = fit.model.causes[last].candidate;
     let values = fit.values(last);
@@ -96,7 +79,7 @@ pub fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
         return candidate.effect.about().parameters.first().map(|p| p.name);
     }
     let reached = |(i, (p, v)): (usize, (&crate::effects::Parameter, &f64))| {
-        let [min, max] = candidate.range(i, fit.evidence.twin);
+        let [min, max] = candidate.range(i, fit.data.twin);
         let near = 1e-3 * (max - min);
         let at_end = *v <= min + 1e-3 * min.abs() || *v >= max - near;
         let at = match p.role {
@@ -118,10 +101,11 @@ pub fn at_bound(fit: &Fit, trial: &Trial) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::diagnosis::candidate::{Candidate, Place};
-    use crate::diagnosis::evidence::Evidence;
+    use crate::diagnosis::observed::Observed;
     use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::data::Data;
     use crate::diagnosis::model::Model;
-    use crate::diagnosis::search::screen;
+    use crate::diagnosis::screen::screen;
     use crate::diagnosis::testing::{noisy, samples};
     use crate::effects::find;
     use crate::twin::Twin;
@@ -143,12 +127,13 @@ mod tests {
         made.torque = torque;
         noisy(&mut made, NOISE_NM);
         let floor = noise_floor(&made, &twin);
-        let evidence = Evidence::new(&twin, &made, &floor).unwrap();
-        let fit = Fit::new(&evidence, Model::of(&twin));
-        let candidate = Candidate { effect: lugre, place: Place::Joint(JOINT) };
-        let (start, _) = screen(&fit, &[candidate], &[]).remove(0);
+        let evidence = Observed::new(0, &twin, &made, &floor).unwrap();
+        let data = Data::plain(vec![&evidence]);
+        let fit = Fit::plain(&data, Model::of(&twin));
+        let candidate = Candidate::new(lugre, Place::Joint(JOINT));
+        let start = screen(&fit, &[candidate]).remove(0).trial;
         let there = Adopted::new(&fit, evaluate(&fit, &start, to.to_vec()));
-        [there.at_bound, there.inside().at_bound]
+        [there.at_bound, there.inside(6.0).at_bound]
     }
 
     /// Beside Coulomb friction, which is open, only level times excess shows.

@@ -1,7 +1,7 @@
 //! What may be missing in the twin: an effect of the catalogue, somewhere.
 
-use super::columns::Blocks;
-use super::evidence::Evidence;
+use crate::regression::Blocks;
+use super::observed::Observed;
 use crate::effects::{self, CATALOGUE, Channels, Effect, Mechanism, Motion, Role, Scope, Seen};
 use crate::twin::Twin;
 
@@ -47,11 +47,16 @@ impl Extent {
 pub struct Candidate {
     pub effect: &'static dyn Effect,
     pub place: Place,
+    /// The recording it acts in; `None`: in all, with the same values.
+    pub recording: Option<usize>,
+    /// Is it a change of values that the twin states?
+    pub changes: bool,
 }
 
 impl PartialEq for Candidate {
     fn eq(&self, other: &Self) -> bool {
-        self.name() == other.name() && self.place == other.place
+        let here = (self.name(), self.place, self.recording);
+        here == (other.name(), other.place, other.recording)
     }
 }
 
@@ -72,8 +77,8 @@ pub struct Term {
     pub searched: Vec<usize>,
     /// Linear parameters that are held at zero, which is their bound.
     pub held: Vec<bool>,
-    /// Standard deviations of the linear parameters, known beforehand; empty: nothing is known.
-    pub prior: Vec<f64>,
+    /// How many starts the search of the nonlinear ones had.
+    pub starts: usize,
 }
 
 impl Term {
@@ -84,13 +89,19 @@ impl Term {
             nonlinear,
             searched: vec![],
             held: vec![false; candidate.linear()],
-            prior: vec![],
+            starts: 1,
         }
     }
 
+    /// What having been chosen among so many starts costs, nats: the evidence is their mean, of which
+    /// the best one carries nearly all.
+    pub fn ln_starts(&self) -> f64 {
+        (self.starts.max(1) as f64).ln()
+    }
+
     /// The columns of those parameters that are not held.
-    pub fn series(&self, motion: &Motion<'_>) -> Vec<Vec<Vec<f64>>> {
-        let mut columns = self.candidate.series(motion, &self.nonlinear);
+    pub fn series(&self, motion: &Motion<'_>, recording: usize) -> Vec<Vec<Vec<f64>>> {
+        let mut columns = self.candidate.series(motion, &self.nonlinear, recording);
         for (column, _) in columns.iter_mut().zip(&self.held).filter(|(_, held)| **held) {
             column.iter_mut().for_each(Vec::clear);
         }
@@ -98,24 +109,45 @@ impl Term {
     }
 }
 
-/// Every effect that torque can show, wherever the twin lacks it; not those in `without`.
-pub fn candidates(twin: &Twin, without: &[String]) -> Vec<Candidate> {
-    let lacks = |name: &str| !twin.effects.iter().chain(without).any(|n| n == name);
-    let shown = CATALOGUE.iter().filter(|e| e.seen() != Seen::Simulation);
-    let missing = shown.filter(|e| lacks(e.about().name));
-    missing.flat_map(|e| places(*e, twin).map(|place| Candidate { effect: *e, place })).collect()
+/// Every effect that torque can show, wherever the twin lacks it or states its values, which may be
+/// wrong; not those in `without`. What lasts for a while may act in one of the `recordings` alone.
+pub fn candidates(twin: &Twin, without: &[String], recordings: &[usize]) -> Vec<Candidate> {
+    let mut all = Vec::new();
+    for effect in CATALOGUE.iter().copied().filter(|e| e.seen() != Seen::Simulation) {
+        let name = effect.about().name;
+        let listed = twin.effects.iter().any(|n| n == name);
+        let stated = twin.known().any(|e| e.about().name == name);
+        let can_change = stated && effect.about().parameters[0].role == Role::Linear;
+        if without.iter().any(|n| n == name) || (listed && !can_change) {
+            continue;
+        }
+        for place in places(effect, twin, stated) {
+            let everywhere = Candidate { changes: stated, ..Candidate::new(effect, place) };
+            all.push(everywhere);
+            if effect.lasts_a_while() && recordings.len() > 1 {
+                let only = recordings.iter().map(|r| Candidate { recording: Some(*r), ..everywhere });
+                all.extend(only);
+            }
+        }
+    }
+    all
 }
 
 /// One joint at a time, and all alike where the parameters do not depend on a joint's size.
-fn places(effect: &dyn Effect, twin: &Twin) -> impl Iterator<Item = Place> + use<> {
+fn places(effect: &dyn Effect, twin: &Twin, stated: bool) -> impl Iterator<Item = Place> + use<> {
     let about = effect.about();
     let sizeless = about.parameters.iter().all(|p| matches!(p.unit, "-" | "s"));
     let each = if about.scope == Scope::Arm { 0 } else { twin.robot.dof() };
-    let arm = about.scope == Scope::Arm || (about.scope == Scope::Joint && sizeless);
+    let arm = about.scope == Scope::Arm || (about.scope == Scope::Joint && sizeless && !stated);
     (0..each).map(Place::Joint).chain(arm.then_some(Place::Arm))
 }
 
 impl Candidate {
+    /// In all recordings, where the twin lacks the effect.
+    pub fn new(effect: &'static dyn Effect, place: Place) -> Self {
+        Self { effect, place, recording: None, changes: false }
+    }
+
     pub fn extent(&self) -> Extent {
         match self.place {
             Place::Joint(j) if self.effect.about().scope == Scope::Joint => Extent::One(j),
@@ -143,14 +175,22 @@ impl Candidate {
         self.effect.about().name
     }
 
-    /// Smallest and largest value of parameter `i` in its unit, as a change of what the drive has of it.
+    /// Smallest and largest value of parameter `i` in its unit, as a change of what the twin has of it.
     pub fn range(&self, i: usize, twin: &Twin) -> [f64; 2] {
         let parameter = &self.effect.about().parameters[i];
         let has = match self.place {
-            Place::Joint(j) if i == 0 => self.effect.in_drive(&twin.drive, j),
+            Place::Joint(j) if i == 0 && !self.changes => self.effect.in_drive(&twin.drive, j),
+            _ if i < self.linear() => self.stated(twin).get(i).copied().unwrap_or(0.0),
             _ => 0.0,
         };
         [parameter.min - has, parameter.max - has]
+    }
+
+    /// The values that the twin states and this is a change of; empty where there are none.
+    pub fn stated(&self, twin: &Twin) -> Vec<f64> {
+        let joint = if let Place::Joint(j) = self.place { j } else { 0 };
+        let values = || twin.values_at(self.effect, joint).unwrap_or_default();
+        if self.changes { values() } else { Vec::new() }
     }
 
     pub fn linear(&self) -> usize {
@@ -162,18 +202,26 @@ impl Candidate {
         self.effect.seen() == Seen::Channels
     }
 
-    /// Rows of nonlinear parameters to begin a search with.
-    pub fn starts(&self, motion: &Motion<'_>) -> Vec<Vec<f64>> {
+    /// Rows of nonlinear parameters to begin a search with; those that the twin states stay.
+    pub fn starts(&self, motion: &Motion<'_>, twin: &Twin) -> Vec<Vec<f64>> {
         let joint = if let Place::Joint(j) = self.place { j } else { 0 };
-        self.effect.starts(motion, joint)
+        match self.stated(twin).get(self.linear()..) {
+            Some(nonlinear) if self.changes => vec![nonlinear.to_vec()],
+            _ => self.effect.starts(motion, joint),
+        }
     }
 
-    /// One column per linear parameter, before sensors: series over all samples by joint, empty
-    /// where it does not act.
-    pub fn series(&self, motion: &Motion<'_>, nonlinear: &[f64]) -> Vec<Vec<Vec<f64>>> {
+    /// One column per linear parameter, before sensors: series over all samples of recording number
+    /// `recording` by joint, empty where it does not act.
+    pub fn series(
+        &self,
+        motion: &Motion<'_>,
+        nonlinear: &[f64],
+        recording: usize,
+    ) -> Vec<Vec<Vec<f64>>> {
         let joints = motion.q.joints();
         let mut columns = vec![vec![Vec::new(); joints]; self.linear()];
-        if self.senses() {
+        if self.senses() || self.recording.is_some_and(|only| only != recording) {
             return columns;
         }
         if self.effect.about().scope == Scope::Joint {
@@ -192,9 +240,25 @@ impl Candidate {
     }
 }
 
+/// Does it change the torque of a joint?
+pub fn acts_on(candidate: Candidate, joint: usize) -> bool {
+    match candidate.place {
+        Place::Arm => true,
+        Place::Joint(j) => j == joint || candidate.effect.about().scope == Scope::Link,
+    }
+}
+
+/// `stribeck at joint 2`, `payload`.
+pub fn describe(candidate: Candidate) -> String {
+    match candidate.place {
+        Place::Joint(j) => format!("{} at joint {}", candidate.name(), j + 1),
+        Place::Arm => candidate.name().to_string(),
+    }
+}
+
 /// What sensors with the given channel effects show of a joint's torque.
 pub fn sense(
-    evidence: &Evidence<'_>,
+    evidence: &Observed<'_>,
     sensors: &[Term],
     joint: usize,
     torque: Vec<f64>,
@@ -217,7 +281,7 @@ pub fn sense(
 }
 
 /// Series before sensors -> what the rows show of them.
-pub fn shown(evidence: &Evidence<'_>, sensors: &[Term], column: Vec<Vec<f64>>) -> Blocks {
+pub fn shown(evidence: &Observed<'_>, sensors: &[Term], column: Vec<Vec<f64>>) -> Blocks {
     let one = |(joint, series): (usize, Vec<f64>)| match series.iter().any(|v| *v != 0.0) {
         true => evidence.block(joint, &sense(evidence, sensors, joint, series)),
         false => Vec::new(),
@@ -234,7 +298,7 @@ mod tests {
     #[test]
     fn every_effect_of_the_catalogue_is_a_candidate() {
         let twin = Twin::default();
-        let all = candidates(&twin, &[]);
+        let all = candidates(&twin, &[], &[0]);
         for effect in CATALOGUE {
             let name = effect.about().name;
             let at = all.iter().filter(|c| c.name() == name).count();
@@ -245,7 +309,7 @@ mod tests {
                 Scope::Joint | Scope::Link => twin.robot.dof(),
             };
             assert!(at >= least && (least > 0 || at == 0), "{name}: {at} candidates");
-            assert!(candidates(&twin, &[name.into()]).iter().all(|c| c.name() != name));
+            assert!(candidates(&twin, &[name.into()], &[0]).iter().all(|c| c.name() != name));
         }
     }
 }

@@ -10,8 +10,8 @@
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::columns::Blocks;
-use super::evidence::Evidence;
+use crate::regression::Blocks;
+use super::observed::Observed;
 use crate::robot::point_jacobian;
 use crate::signals::runs;
 
@@ -55,7 +55,7 @@ impl Episode {
 
 /// What stands out in either recording: each with what the twin and its causes leave of the torque at
 /// its rows, N.m.
-pub fn episodes(fit: (&Evidence<'_>, &Blocks), check: (&Evidence<'_>, &Blocks)) -> Vec<Episode> {
+pub fn episodes(fit: (&Observed<'_>, &Blocks), check: (&Observed<'_>, &Blocks)) -> Vec<Episode> {
     let windows = [&fit, &check].map(|(evidence, residual)| windows(evidence, residual));
     let largest = |joint: &Vec<f64>| joint.iter().copied().fold(0.0, f64::max);
     let limits = windows.each_ref().map(|w| w.iter().map(|j| BEYOND * largest(j)).collect());
@@ -80,7 +80,7 @@ pub fn episodes(fit: (&Evidence<'_>, &Blocks), check: (&Evidence<'_>, &Blocks)) 
 }
 
 /// Root mean square in each window, joint by joint; 0 where the joint hardly slides in it.
-fn windows(evidence: &Evidence<'_>, residual: &Blocks) -> Vec<Vec<f64>> {
+fn windows(evidence: &Observed<'_>, residual: &Blocks) -> Vec<Vec<f64>> {
     let samples = evidence.samples;
     let count = (samples.len() as f64 * samples.dt / WINDOW_S).ceil() as usize;
     let joint = |j: usize| {
@@ -108,7 +108,7 @@ fn joined(loud: &[bool], gap: usize) -> Vec<std::ops::Range<usize>> {
 }
 
 struct Stretch<'a, 'e> {
-    evidence: &'a Evidence<'e>,
+    evidence: &'a Observed<'e>,
     residual: &'a Blocks,
     windows: std::ops::Range<usize>,
 }
@@ -180,7 +180,7 @@ mod tests {
     }
 
     /// A little of everything that is not a push, and J^T F while `from` <= t < `until` (s).
-    fn left(evidence: &Evidence<'_>, [from, until]: [f64; 2]) -> Blocks {
+    fn left(evidence: &Observed<'_>, [from, until]: [f64; 2]) -> Blocks {
         let (samples, robot) = (evidence.samples, &evidence.twin.robot);
         let mut q = vec![0.0; 6];
         let mut gap = |j: usize, k: usize| {
@@ -198,7 +198,7 @@ mod tests {
     fn a_push_is_found_in_time_and_weighed() {
         let (twin, samples) = (Twin::default(), moving());
         let floor = noise_floor(&samples, &twin);
-        let evidence = Evidence::new(&twin, &samples, &floor).unwrap();
+        let evidence = Observed::new(&twin, &samples, &floor).unwrap();
         let [free, pushed] = [[0.0; 2], PUSH_S].map(|when| left(&evidence, when));
         assert!(episodes((&evidence, &free), (&evidence, &free)).is_empty());
         let found = episodes((&evidence, &free), (&evidence, &pushed));

@@ -7,9 +7,11 @@
 use nalgebra::Rotation3;
 use rayon::prelude::*;
 
-use super::evidence::Evidence;
-use super::model::{Built, Fit};
-use super::rank::{Hypothesis, describe};
+use super::observed::Observed;
+use super::candidate::describe;
+use super::data::Data;
+use super::fit::Fit;
+use super::search::Hypothesis;
 use super::{Floor, Settings};
 use crate::motion::{Kind, Settings as Motion};
 use crate::series::JointSeries;
@@ -70,9 +72,9 @@ const MENU: [Experiment; 9] = [
 
 /// In words: the motion that separates `rivals` best, and how to make it.
 pub fn next(
-    check: &Evidence<'_>,
+    check: &Observed<'_>,
     floor: &[Floor],
-    rivals: [&Hypothesis<'_, '_>; 2],
+    rivals: [&Hypothesis<'_>; 2],
     settings: &Settings,
 ) -> String {
     let names = rivals.map(|h| describe(h.trial.candidate));
@@ -100,23 +102,22 @@ pub fn next(
 /// Log-likelihood, nats, by which a recording of the experiment would favour the first rival if it
 /// is right; `None` where the arm cannot make the motion.
 fn separation(
-    check: &Evidence<'_>,
+    check: &Observed<'_>,
     floor: &[Floor],
-    [first, second]: [&Hypothesis<'_, '_>; 2],
+    [first, second]: [&Hypothesis<'_>; 2],
     experiment: &Experiment,
     seed: u64,
 ) -> Option<f64> {
     let twin = changed(check.twin, experiment.change);
     let samples = planned(&twin, check.samples, experiment, seed)?;
-    let mut evidence = Evidence::new(&twin, &samples, floor).ok()?;
-    let built = Built::new(&evidence, &first.fit.model);
-    let mut torque = built.y;
+    let mut observed = Observed::new(0, &twin, &samples, floor).ok()?;
+    let mut torque = first.fit.held_against(&observed);
     torque.0.iter_mut().flatten().for_each(|v| *v = -*v);
-    built.columns.iter().zip(first.fit.system.x.iter()).for_each(|(c, x)| torque.add_scaled(*x, c));
-    evidence.torque = torque;
-    let fit = Fit::new(&evidence, second.fit.model.clone());
+    observed.torque = torque;
+    let data = Data::plain(vec![&observed]);
+    let fit = Fit::plain(&data, second.fit.model.clone());
     let nats = |(s, sigma): (&f64, &f64)| 0.5 * s / sigma.powi(2).max(f64::MIN_POSITIVE);
-    Some(fit.squares.iter().zip(&evidence.sigma).map(nats).sum())
+    Some(fit.squares.iter().zip(&observed.sigma).map(nats).sum())
 }
 
 fn changed(twin: &Twin, change: Change) -> Twin {

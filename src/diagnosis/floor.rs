@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::colour::{Colour, WHITE_NOISE};
 use super::local_noise::{band_gain, impulse, local_noise, quiet_times};
 use super::repeats::cycle;
 use crate::robot::{Workspace, mass_matrix};
@@ -23,27 +22,12 @@ pub struct Floor {
     pub from: FloorFrom,
 }
 
-impl Floor {
-    /// Of noise that is not white, where it was taken for white.
-    pub fn with(self, noise: Colour) -> Self {
-        match self.from {
-            FloorFrom::Estimate if noise != WHITE_NOISE => Self {
-                noise_nm: self.noise_nm * noise.mean_square.sqrt(),
-                from: FloorFrom::Coloured,
-            },
-            _ => self,
-        }
-    }
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FloorFrom {
     /// Cycles of the recording held against each other: all that does not repeat.
     Repeats,
     /// The spectrum where nothing moves, taken for white: slower noise and drift are not in it.
     Estimate,
-    /// The same, and as much slower noise as the joint shows that has the least of it.
-    Coloured,
 }
 
 impl FloorFrom {
@@ -51,7 +35,6 @@ impl FloorFrom {
         match self {
             Self::Repeats => "repeats",
             Self::Estimate => "estimate",
-            Self::Coloured => "estimate with colour",
         }
     }
 }

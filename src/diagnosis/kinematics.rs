@@ -8,14 +8,13 @@
 //! the velocity where a joint sets off and stops is left on one side of standstill only (a lag of 20 us
 //! where there was none).
 
-use super::columns::Blocks;
-use super::evidence::Evidence;
-use super::rank::effective_shares;
+use crate::regression::Blocks;
+use super::observed::Observed;
 use super::{BeforeAfter, Cause, Checked, Settings, Value};
 use crate::effects::{Motion, find};
 use crate::series::JointSeries;
 use crate::signals::{LowPass, central_difference};
-use crate::statistics::normal_quantile;
+use crate::statistics::{effective_samples, normal_quantile};
 
 const EFFECT: &str = "velocity_lag";
 /// Of the interval.
@@ -63,7 +62,7 @@ struct Channel {
 }
 
 /// The lag both recordings agree on; `None` where velocities are not recorded, or follow.
-pub fn lagging(fit: &Evidence<'_>, check: &Evidence<'_>, settings: &Settings) -> Option<Lagging> {
+pub fn lagging(fit: &Observed<'_>, check: &Observed<'_>, settings: &Settings) -> Option<Lagging> {
     let channels = [channel(fit)?, channel(check)?];
     let joints = 0..fit.joints();
     let known = |j: usize| {
@@ -91,7 +90,7 @@ pub fn lagging(fit: &Evidence<'_>, check: &Evidence<'_>, settings: &Settings) ->
     Some(Lagging { joints: late.joints, lag, whole_arm, shrink })
 }
 
-fn channel(evidence: &Evidence<'_>) -> Option<Channel> {
+fn channel(evidence: &Observed<'_>) -> Option<Channel> {
     let samples = evidence.samples;
     let sensed = samples.sensed.as_ref()?;
     let how = &samples.conditioning;
@@ -132,7 +131,7 @@ fn slope_of(channel: &Channel, j: usize) -> Lag {
         .map(|(e, s)| e - value * s)
         .collect();
     let power = left.iter().map(|r| r * r).sum::<f64>() / left.len() as f64;
-    let share = effective_shares(&Blocks(vec![left]))[0];
+    let share = effective_samples(&left) / left.len() as f64;
     Lag { value, sd: (power / (share * information)).sqrt() }
 }
 
@@ -164,7 +163,7 @@ fn pooled(late: &[(usize, Lag)]) -> Lag {
 /// The torque a twin is wrong by whose velocity is late by what the check recording shows, and by
 /// what the fitted lag leaves of it. Sensor noise is left out: differentiated twice it would drown
 /// both.
-fn in_torque(evidence: &Evidence<'_>, channel: &Channel, late: &Late, seed: u64) -> Checked {
+fn in_torque(evidence: &Observed<'_>, channel: &Channel, late: &Late, seed: u64) -> Checked {
     let samples = evidence.samples;
     let jerk = samples.qdd.map_joints(|_, x| central_difference(x, samples.dt));
     let wrong = |left: f64| {
@@ -208,6 +207,9 @@ impl Lagging {
             equivalent: vec![],
             parameters: vec![value],
             shrink: self.shrink,
+            replaces: None,
+            recording: None,
+            found_without_check: true,
             cause: about.cause.into(),
             remedy: about.remedy.into(),
         })
@@ -276,7 +278,7 @@ mod tests {
         let twin = Twin::default();
         let floors = [noise_floor(fit, &twin), noise_floor(check, &twin)];
         let [fit, check] = [(fit, &floors[0]), (check, &floors[1])]
-            .map(|(s, floor)| Evidence::new(&twin, s, floor).unwrap());
+            .map(|(s, floor)| Observed::new(0, &twin, s, floor).unwrap());
         lagging(&fit, &check, &Settings::default())
     }
 

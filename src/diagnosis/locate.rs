@@ -1,14 +1,17 @@
 //! Nonlinear parameters of effects that are to be fitted, found as those of a candidate are: from
 //! the catalogue's starts, refined, each given the others.
 
-use super::DiagnosisError;
 use super::bound::at_bound;
 use super::candidate::{Candidate, Place, Term};
-use super::evidence::Evidence;
+use super::criteria::Criteria;
+use super::data::Data;
+use super::fit::Fit;
 use super::floor::noise_floor;
-use super::model::{Fit, Model};
-use super::rank::{LEAST_NATS, effective_shares, gain, price};
-use super::search::{self, Trial};
+use super::model::Model;
+use super::observed::Observed;
+use super::refine;
+use super::screen::screen;
+use super::{DiagnosisError, Settings};
 use crate::effects::{Effect, Role, Scope};
 use crate::identification::{Located, Terms};
 use crate::signals::Samples;
@@ -40,7 +43,8 @@ pub fn locate(
     let twin = terms.left_open(twin);
     let samples = &twin.correct(samples);
     let floor = noise_floor(samples, &twin);
-    let evidence = Evidence::new(&twin, samples, &floor)?;
+    let observed = Observed::new(0, &twin, samples, &floor)?;
+    let data = Data::new(vec![&observed], &Settings::default());
     let mut model = Model::of(&twin);
     for (joint, effects) in given.into_iter().enumerate() {
         for (effect, nonlinear) in effects {
@@ -49,61 +53,65 @@ pub fn locate(
                 Scope::Arm => Place::Arm,
                 _ => Place::Joint(joint),
             };
-            model = model.with(Term::new(Candidate { effect, place }, nonlinear));
+            model = model.with(Term::new(Candidate::new(effect, place), nonlinear));
         }
     }
     let each = |e: &&'static dyn Effect| places(*e, twin.robot.dof());
     let candidates: Vec<Candidate> = curved.iter().chain(&open).flat_map(each).collect();
-    while let Some(more) = next(&evidence, &model, &candidates) {
+    while let Some(more) = next(&data, &model, &candidates) {
         model = more;
         // What the twin gives stays.
         let given = model.causes.iter().take_while(|t| t.searched.is_empty()).count();
         let sought: Vec<usize> = (given..model.causes.len()).collect();
-        refine_together(&evidence, &mut model, &sought);
+        refine_together(&data, &mut model, &sought);
     }
-    let motion = evidence.motion(&twin.robot);
+    let motion = observed.motion(&twin.robot);
     let is_curve = |c: &&Candidate| curved.is_some_and(|e| e.about().name == c.name());
     let sought = candidates.iter().filter(|c| !is_curve(c));
-    Ok(sought.map(|c| located(c, c.starts(&motion), &model)).collect())
+    Ok(sought.map(|c| located(c, c.starts(&motion, &twin), &model)).collect())
 }
 
 fn places(effect: &'static dyn Effect, joints: usize) -> Vec<Candidate> {
     match effect.about().scope {
-        Scope::Arm => vec![Candidate { effect, place: Place::Arm }],
-        _ => (0..joints).map(|j| Candidate { effect, place: Place::Joint(j) }).collect(),
+        Scope::Arm => vec![Candidate::new(effect, Place::Arm)],
+        _ => (0..joints).map(|j| Candidate::new(effect, Place::Joint(j))).collect(),
     }
 }
 
-/// The model with the candidate that gains most; `None` if none earns its price, which counts
-/// among how many starts it was chosen.
-fn next(evidence: &Evidence<'_>, model: &Model, candidates: &[Candidate]) -> Option<Model> {
-    let fit = Fit::new(evidence, model.clone());
+/// The model with the candidate that gains most; `None` if none earns its place.
+fn next(data: &Data<'_>, model: &Model, candidates: &[Candidate]) -> Option<Model> {
+    let fit = tuned(Fit::plain(data, model.clone()));
     let missing = candidates.iter().filter(|c| !model.has(**c)).copied().collect::<Vec<_>>();
-    let screened = search::screen(&fit, &missing, &[]);
-    let refined = screened.iter().take(REFINED).map(|(start, _)| search::refine(&fit, start));
-    let earns = |trial: Trial| {
-        let after = search::adopt(&fit, model, &trial);
-        let share = effective_shares(&after.system.residual);
-        let gained = gain(evidence, &fit.squares, &after.squares, &share);
-        let chosen = (trial.starts.len() as f64).ln();
-        let worth = gained - price(&after, model.causes.len()) - chosen;
+    let screened = screen(&fit, &missing);
+    let least = Criteria::default().least_nats + (candidates.len() as f64).ln();
+    let earns = |s: &super::screen::Screened| {
+        let beside = fit.clone().beside(s.sizes.clone());
+        let trial = refine::refine(&beside, &s.trial);
+        let after = tuned(Fit::new(data, model.with(trial.term()), s.sizes.clone()));
+        let nats = after.ln_evidence() - fit.ln_evidence();
         let inside = at_bound(&after, &trial).is_none();
-        (worth > LEAST_NATS && inside).then_some((worth, after.model))
+        (nats > least && inside).then_some((nats, after.model))
     };
-    let best = refined.filter_map(earns).max_by(|a, b| a.0.total_cmp(&b.0));
-    best.map(|(_, model)| model)
+    let best = screened.iter().take(REFINED).filter_map(earns);
+    best.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, model)| model)
+}
+
+fn tuned(fit: Fit<'_>) -> Fit<'_> {
+    let all: Vec<usize> = (0..fit.data.joints()).collect();
+    let sizes = fit.likely_sizes(&all);
+    fit.beside(sizes)
 }
 
 /// Searches the causes at these indices again, each given all others, until none gains.
-pub(super) fn refine_together(evidence: &Evidence<'_>, model: &mut Model, sought: &[usize]) {
+pub(super) fn refine_together(data: &Data<'_>, model: &mut Model, sought: &[usize]) {
     for _ in 0..ROUNDS {
         let mut gained = 0.0f64;
         for &i in sought {
-            let others = Fit::new(evidence, model.without(&[i]));
-            let now = search::tried(&others, &model.causes[i]);
-            let again = search::screen(&others, &[model.causes[i].candidate], &[]);
-            let starts = again.into_iter().map(|(start, _)| start).chain([now.clone()]);
-            let refined = starts.map(|start| search::refine(&others, &start));
+            let others = Fit::plain(data, model.without(i));
+            let now = refine::tried(&others, &model.causes[i]);
+            let again = screen(&others, &[model.causes[i].candidate]);
+            let starts = again.into_iter().map(|s| s.trial).chain([now.clone()]);
+            let refined = starts.map(|start| refine::refine(&others, &start));
             let best = refined.max_by(|a, b| a.gain.total_cmp(&b.gain));
             let Some(best) = best.filter(|b| b.gain > now.gain) else { continue };
             gained = gained.max(best.ahead_of(&now));
@@ -113,12 +121,12 @@ pub(super) fn refine_together(evidence: &Evidence<'_>, model: &mut Model, sought
             break;
         }
     }
-    *model = Fit::new(evidence, model.clone()).model;
+    *model = Fit::plain(data, model.clone()).model;
 }
 
 /// As the model has it; where it is not in the model, at the first start and without torque.
 fn located(candidate: &Candidate, starts: Vec<Vec<f64>>, model: &Model) -> Located {
-    let Candidate { effect, place } = *candidate;
+    let Candidate { effect, place, .. } = *candidate;
     let found: Option<&Term> = model.causes.iter().find(|t| t.candidate == *candidate);
     let shown = found.filter(|t| effect.is_itself(&t.linear));
     let parameters = effect.about().parameters.iter().filter(|p| p.role == Role::Nonlinear);

@@ -58,7 +58,8 @@ fn add(twin: &mut Twin, cause: &Cause) {
         let Some(found) = cause.parameters.iter().find(of_cause) else { continue };
         let places = values.iter_mut().enumerate().filter(|(j, _)| at.contains(j));
         for (_, value) in places {
-            *value = if p.role == Role::Linear { *value + found.value } else { found.value };
+            let adds = p.role == Role::Linear && cause.replaces.is_none();
+            *value = if adds { *value + found.value } else { found.value };
         }
     }
     if !twin.effects.iter().any(|e| e == about.name) {
@@ -109,6 +110,9 @@ mod tests {
             equivalent: Vec::new(),
             parameters: values.iter().map(value).collect(),
             shrink: Checked::default(),
+            replaces: None,
+            recording: None,
+            found_without_check: true,
             cause: String::new(),
             remedy: String::new(),
         }

@@ -1,61 +1,53 @@
 //! The sim-to-real gap: where it lies, which effect causes it, how far it shrinks.
 
-mod account;
 mod answer;
 mod bootstrap;
 mod bound;
 mod candidate;
-mod chance;
-mod colour;
-mod columns;
 mod conditioning;
+mod criteria;
+mod data;
+mod discrepancy;
 mod episodes;
-mod evidence;
 mod experiment;
-mod features;
+mod fit;
 mod floor;
 mod gap;
+mod held_out;
 mod intervals;
 mod kinematics;
-mod late;
-mod leftover;
 mod local_noise;
 mod locate;
-mod masses;
 mod mend;
 mod model;
 mod newton;
-mod notes;
-mod probability;
+mod observed;
 mod profile;
-mod rank;
+mod ranking;
 mod reasons;
+mod refine;
 mod regimes;
 mod repeats;
-mod revise;
-mod rivals;
+mod screen;
 mod search;
-mod select;
 mod shrink;
-mod significance;
 mod slow;
-mod standstill;
-mod surrogates;
-mod system;
 #[cfg(test)]
 mod testing;
 mod traces;
+mod unexplained;
 mod untestable;
 mod verdict;
 mod windows;
 pub mod words;
 
 pub use answer::{
-    Cause, Checked, Diagnosis, Gap, JointGap, JointShrink, Leftover, Named, Ranked, Regime,
-    Rejected, RoundEvidence, Scored, Shrink, SimulationShrink, TorqueShrink, Untestable, Value,
-    Verdict,
+    Cause, Checked, Dependence, Diagnosis, Gap, JointGap, JointShrink, Named, Ranked, Regime,
+    Rejected, Replaced, RoundEvidence, Scored, Shrink, SimulationShrink, TorqueShrink, Unexplained,
+    UnexplainedJoint, Untestable, Value, Verdict,
 };
 pub use conditioning::conditioning;
+pub use criteria::Criteria;
 pub use episodes::Episode;
 pub use floor::{Floor, FloorFrom, noise_floor};
 pub use gap::gap;
@@ -74,14 +66,15 @@ use crate::twin::Twin;
 pub struct Settings {
     /// Effects taken out of the catalogue.
     pub without: Vec<String>,
-    /// Of surrogates and bootstraps.
+    /// Of the discrepancy's features and of bootstraps.
     pub seed: u64,
-    /// Searches repeated on surrogate gaps.
-    pub surrogates: usize,
     /// How well the twin's link masses are known, relative; 0 takes them for exact.
     pub mass_error: f64,
     /// How well their centres are known, m.
     pub centre_error_m: f64,
+    /// What decides.
+    #[serde(default)]
+    pub criteria: Criteria,
 }
 
 impl Default for Settings {
@@ -89,9 +82,9 @@ impl Default for Settings {
         Self {
             without: Vec::new(),
             seed: 1,
-            surrogates: 39,
             mass_error: 0.05,
             centre_error_m: 0.005,
+            criteria: Criteria::default(),
         }
     }
 }
@@ -140,46 +133,38 @@ pub fn diagnose_traced(
     check: &Samples,
     settings: &Settings,
 ) -> Result<(Diagnosis, Traces), DiagnosisError> {
-    let recordings = [twin.correct(fit), twin.correct(check)];
-    let first = once(twin, &recordings, settings)?;
-    let found = match standstill::left_out(&recordings, first.guard_s()) {
-        Some(fewer) => once(twin, &fewer, settings)?.in_place_of(first),
-        None => first,
+    let samples = [twin.correct(fit), twin.correct(check)];
+    let floors = samples.each_ref().map(|s| noise_floor(s, twin));
+    let observed = |i: usize, which: &str| {
+        let observed = observed::Observed::new(i, twin, &samples[i], &floors[i]);
+        observed.map_err(|error| error.of(which))
     };
-    Ok((found.answer, found.traces))
-}
-
-/// What a pass over both recordings finds.
-struct Found {
-    answer: Diagnosis,
-    traces: Traces,
-    /// How late the torque is by the causes that were found, 0 if it is not.
-    delay_s: f64,
-    /// How late it may be by what was declined.
-    suspected_s: f64,
-    /// What does better than the strongest cause, but cannot be named.
-    outdone: Option<Named>,
-}
-
-fn once(
-    twin: &Twin,
-    [fit, check]: &[Samples; 2],
-    settings: &Settings,
-) -> Result<Found, DiagnosisError> {
-    let floors = [noise_floor(fit, twin), noise_floor(check, twin)];
-    let evidence = |which, samples, floor| {
-        evidence::Evidence::new(twin, samples, floor).map_err(|error| error.of(which))
+    let (fit, check) = (observed(0, "fit")?, observed(1, "check")?);
+    let both = counted(data::Data::new(vec![&fit, &check], settings));
+    let alone = counted(data::Data::new(vec![&fit], settings));
+    let search = |data, recordings: &[usize], judge| search::Search {
+        data,
+        candidates: candidate::candidates(twin, &settings.without, recordings),
+        criteria: settings.criteria,
+        judge,
     };
-    let (fit, check) = (evidence("fit", fit, &floors[0])?, evidence("check", check, &floors[1])?);
-    let candidates = candidate::candidates(twin, &settings.without);
-    let colours = colour::Colours::new(&fit, &check);
-    let search =
-        select::Search { fit: &fit, check: &check, settings, candidates, colours: &colours };
-    let findings = verdict::Findings::new(&search, &floors[1]);
+    let judge = search::Judge { fit: &alone, check: &check, seed: settings.seed };
+    let both = search(&both, &[0, 1], Some(judge));
+    let alone = search(&alone, &[0], None);
+    let floor = floors[1].clone();
+    let findings = verdict::Findings::new(&both, &alone, [&fit, &check], floor, settings);
     let answer = findings.answer();
     let traces = Traces::new(&findings, &answer);
-    let delay_s = late::delay(&findings.account.last.fit);
-    let suspected_s = late::suspected(&findings.account.rounds);
-    let outdone = findings.outdone().map(|[_, best]| rivals::named(best));
-    Ok(Found { answer, traces, delay_s, suspected_s, outdone })
+    Ok((answer, traces))
+}
+
+/// Rows counted by what is independent of what the twin leaves beside a discrepancy.
+fn counted<'a>(data: data::Data<'a>) -> data::Data<'a> {
+    let shares = {
+        let fit = fit::Fit::plain(&data, model::Model::of(data.twin));
+        let all: Vec<usize> = (0..data.joints()).collect();
+        let sizes = fit.likely_sizes(&all);
+        intervals::shares(&fit.beside(sizes))
+    };
+    data.counted(shares)
 }

@@ -5,10 +5,10 @@
 //! parameters are solved for together with small changes of the nonlinear ones, whose columns are
 //! their slopes (Golub, Pereyra, "Separable nonlinear least squares", Inverse Problems 19, 2003).
 
-use super::columns::Blocks;
-use super::model::Fit;
-use super::search::{Trial, evaluate, linear_bounds, neighbours, settled};
-use crate::identification::bounds::Bounds;
+use super::fit::Fit;
+use super::refine::{Trial, evaluate, linear_bounds, neighbours, priors, settled};
+use crate::regression::bounds::Bounds;
+use crate::regression::Column;
 
 const STEPS: usize = 6;
 /// Gains that are worth another step, nats.
@@ -19,7 +19,7 @@ const SHARES: [f64; 3] = [1.0, 0.5, 0.2];
 const DIFFERENCE: f64 = 1e-3;
 
 /// The trial where no step gains any more, within its neighbouring starts.
-pub fn descend(fit: &Fit, mut best: Trial) -> Trial {
+pub fn descend(fit: &Fit<'_>, mut best: Trial) -> Trial {
     let free: Vec<usize> = best.searched().into_iter().filter(|&i| !settled(&best, i)).collect();
     if free.is_empty() || best.candidate.senses() {
         return best;
@@ -35,12 +35,15 @@ pub fn descend(fit: &Fit, mut best: Trial) -> Trial {
     best
 }
 
-fn step(fit: &Fit, best: &Trial, free: &[usize]) -> Option<Trial> {
+fn step(fit: &Fit<'_>, best: &Trial, free: &[usize]) -> Option<Trial> {
     let ends: Vec<[f64; 2]> = free.iter().map(|&i| neighbours(best, i)).collect();
-    let mut columns = fit.columns(best.candidate, &best.nonlinear);
+    let raw = fit.raw(best.candidate, &best.nonlinear);
+    let mut expected = priors(fit, &raw);
+    let mut columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &fit.metric)).collect();
     columns.extend(free.iter().zip(&ends).map(|(&i, ends)| slope(fit, best, i, *ends)));
-    let projected = fit.system.project(&columns);
-    let (x, _) = projected.solve(&projected.pull, &bounds(fit, best, free, &ends)?);
+    expected.resize(columns.len(), f64::INFINITY);
+    let projected = fit.system.project(&columns, &expected);
+    let (x, _) = projected.solve(&bounds(fit, best, free, &ends)?);
     let change = &x.as_slice()[best.linear.len()..];
     let moved = |share: f64| {
         let mut nonlinear = best.nonlinear.clone();
@@ -51,7 +54,7 @@ fn step(fit: &Fit, best: &Trial, free: &[usize]) -> Option<Trial> {
 }
 
 /// d torque / d nonlinear parameter `i` at the trial's linear parameters, N.m per unit.
-fn slope(fit: &Fit, best: &Trial, i: usize, [below, above]: [f64; 2]) -> Blocks {
+fn slope(fit: &Fit<'_>, best: &Trial, i: usize, [below, above]: [f64; 2]) -> Column {
     let step = DIFFERENCE * (above - below);
     let at = |value: f64| {
         let mut nonlinear = best.nonlinear.clone();
@@ -61,7 +64,7 @@ fn slope(fit: &Fit, best: &Trial, i: usize, [below, above]: [f64; 2]) -> Blocks 
     let (low, high) = (best.nonlinear[i] - step, best.nonlinear[i] + step);
     let (low, high) = (low.max(below), high.min(above));
     let per_unit = 1.0 / (high - low).max(f64::MIN_POSITIVE);
-    let mut sum = Blocks(fit.squares.iter().map(|_| Vec::new()).collect());
+    let mut sum = Column::zeros(fit.squares.len());
     for (columns, sign) in [(at(high), per_unit), (at(low), -per_unit)] {
         for (column, c) in columns.iter().zip(&best.linear) {
             sum.gather(sign * c, column);
@@ -71,8 +74,8 @@ fn slope(fit: &Fit, best: &Trial, i: usize, [below, above]: [f64; 2]) -> Blocks 
 }
 
 /// Of the linear parameters, and of the changes of the nonlinear ones.
-fn bounds(fit: &Fit, best: &Trial, free: &[usize], ends: &[[f64; 2]]) -> Option<Bounds> {
-    let linear = linear_bounds(best.candidate, fit.evidence.twin);
+fn bounds(fit: &Fit<'_>, best: &Trial, free: &[usize], ends: &[[f64; 2]]) -> Option<Bounds> {
+    let linear = linear_bounds(best.candidate, fit.data.twin);
     let own = 0..best.linear.len();
     let change = |end: usize| free.iter().zip(ends).map(move |(&i, e)| e[end] - best.nonlinear[i]);
     let lower = own.clone().map(|i| linear.lower(i)).chain(change(0)).collect();
@@ -84,10 +87,12 @@ fn bounds(fit: &Fit, best: &Trial, free: &[usize], ends: &[[f64; 2]]) -> Option<
 mod tests {
     use super::*;
     use crate::diagnosis::candidate::{Candidate, Place};
-    use crate::diagnosis::evidence::Evidence;
+    use crate::diagnosis::observed::Observed;
     use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::data::Data;
     use crate::diagnosis::model::Model;
-    use crate::diagnosis::search::{refine, screen};
+    use crate::diagnosis::refine::refine;
+    use crate::diagnosis::screen::screen;
     use crate::diagnosis::testing::samples;
     use crate::effects::find;
     use crate::twin::Twin;
@@ -111,10 +116,11 @@ mod tests {
         }
         made.torque = torque;
         let floor = noise_floor(&made, &twin);
-        let evidence = Evidence::new(&twin, &made, &floor).unwrap();
-        let fit = Fit::new(&evidence, Model::of(&twin));
-        let candidate = Candidate { effect: cable, place: Place::Joint(JOINT) };
-        let (start, _) = screen(&fit, &[candidate], &[]).remove(0);
+        let evidence = Observed::new(0, &twin, &made, &floor).unwrap();
+        let data = Data::plain(vec![&evidence]);
+        let fit = Fit::plain(&data, Model::of(&twin));
+        let candidate = Candidate::new(cable, Place::Joint(JOINT));
+        let start = screen(&fit, &[candidate]).remove(0).trial;
         let found = refine(&fit, &start);
         let values = found.linear.iter().chain(&found.nonlinear);
         for (value, truth) in values.zip(CABLE) {
@@ -128,11 +134,12 @@ mod tests {
         let twin = Twin::default();
         let made = samples(6, 2000, |j, t| 0.6 * (0.9 * t + j as f64).sin());
         let floor = noise_floor(&made, &twin);
-        let evidence = Evidence::new(&twin, &made, &floor).unwrap();
-        let fit = Fit::new(&evidence, Model::of(&twin));
+        let evidence = Observed::new(0, &twin, &made, &floor).unwrap();
+        let data = Data::plain(vec![&evidence]);
+        let fit = Fit::plain(&data, Model::of(&twin));
         let stribeck = find("stribeck").unwrap();
-        let candidate = Candidate { effect: stribeck, place: Place::Joint(0) };
-        let (mut trial, _) = screen(&fit, &[candidate], &[]).remove(0);
+        let candidate = Candidate::new(stribeck, Place::Joint(0));
+        let mut trial = screen(&fit, &[candidate]).remove(0).trial;
         let first = trial.starts.iter().map(|s| s[0]).fold(f64::INFINITY, f64::min);
         for factor in [1.0, 1.0 - 1e-9, 1.0 + 1e-9] {
             trial.nonlinear[0] = first * factor;

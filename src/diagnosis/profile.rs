@@ -10,19 +10,20 @@ use rayon::prelude::*;
 
 use super::Value;
 use super::candidate::Place;
-use super::intervals::LEVEL;
-use super::model::Fit;
-use super::rank::{LEAST_NATS, effective_shares};
-use super::search::{self, Trial};
+use super::fit::Fit;
+use super::intervals::{LEVEL, independent};
+use super::refine::{self, Trial};
 use crate::statistics::normal_quantile;
 
 /// Values along the range, by equal ratios.
 const POINTS: usize = 40;
+/// Log-likelihood behind the best of an optimum that is looked at, nats.
+const CLOSE_NATS: f64 = 6.0;
 /// Of the distance between two of them, to find where an interval ends.
 const HALVINGS: usize = 5;
 
 /// Widens the intervals of cause `i`, where it acts at one joint and has one nonlinear parameter.
-pub fn widen(fit: &Fit<'_, '_>, i: usize, values: &mut [Value]) {
+pub fn widen(fit: &Fit<'_>, i: usize, values: &mut [Value]) {
     for Span { name, low, high } in spans(fit, i).unwrap_or_default() {
         for value in values.iter_mut().filter(|v| v.name == name) {
             value.low = value.low.min(low);
@@ -39,23 +40,23 @@ struct Span {
     high: f64,
 }
 
-fn spans(fit: &Fit<'_, '_>, i: usize) -> Option<Vec<Span>> {
+fn spans(fit: &Fit<'_>, i: usize) -> Option<Vec<Span>> {
     let term = &fit.model.causes[i];
     let Place::Joint(joint) = term.candidate.place else { return None };
-    let share = effective_shares(&fit.system.residual)[joint];
-    let others = Fit::new(fit.evidence, fit.model.without(&[i]));
-    let (k, mut trials) = along(&others, search::tried(&others, term))?;
+    let share = independent(fit)[joint];
+    let others = Fit::plain(fit.data, fit.model.without(i));
+    let (k, mut trials) = along(&others, refine::tried(&others, term))?;
     let best = trials.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?.clone();
     let room = |t: &Trial| 0.5 * normal_quantile(1.0 - LEVEL).powi(2) - share * best.ahead_of(t);
     trials.extend(edges(&others, &trials, k, |t| room(t) >= 0.0));
     let mut spans: Vec<Span> = Vec::new();
     for (trial, room) in trials.iter().map(|t| (t, room(t))).filter(|(_, room)| *room >= 0.0) {
         let deviations = (2.0 * room / share).sqrt();
-        let spread = search::spread(&others, trial);
+        let spread = refine::spread(&others, trial);
         let linear = trial.linear.iter().zip(spread).enumerate();
         let linear = linear.map(|(i, (value, sd))| (i, *value, deviations * sd));
         for (i, value, half) in linear.chain([(term.linear.len() + k, trial.nonlinear[k], 0.0)]) {
-            let [min, max] = term.candidate.range(i, fit.evidence.twin);
+            let [min, max] = term.candidate.range(i, fit.data.twin);
             let name = term.candidate.effect.about().parameters[i].name;
             spans.push(Span { name, low: (value - half).max(min), high: (value + half).min(max) });
         }
@@ -65,7 +66,7 @@ fn spans(fit: &Fit<'_, '_>, i: usize) -> Option<Vec<Span>> {
 
 /// The trials closest to where those that are `inside` end.
 fn edges(
-    others: &Fit<'_, '_>,
+    others: &Fit<'_>,
     trials: &[Trial],
     k: usize,
     inside: impl Fn(&Trial) -> bool + Sync,
@@ -78,7 +79,7 @@ fn edges(
         for _ in 0..HALVINGS {
             let mut nonlinear = within.nonlinear.clone();
             nonlinear[k] = (within.nonlinear[k] * beyond.nonlinear[k]).sqrt();
-            let middle = search::evaluate(others, &within, nonlinear);
+            let middle = refine::evaluate(others, &within, nonlinear);
             let end = if inside(&middle) { &mut within } else { &mut beyond };
             *end = middle;
         }
@@ -90,16 +91,16 @@ fn edges(
 
 /// The cause from one end of its nonlinear parameter to the other in order, with itself and the
 /// optima that this shows; and which parameter that is. `None` where there is more than one.
-fn along(others: &Fit<'_, '_>, now: Trial) -> Option<(usize, Vec<Trial>)> {
+fn along(others: &Fit<'_>, now: Trial) -> Option<(usize, Vec<Trial>)> {
     let [k] = now.searched()[..] else { return None };
-    let [min, max] = now.candidate.range(now.candidate.linear() + k, others.evidence.twin);
+    let [min, max] = now.candidate.range(now.candidate.linear() + k, others.data.twin);
     if now.candidate.senses() || min <= 0.0 {
         return None;
     }
     let at = |step: usize| {
         let mut nonlinear = now.nonlinear.clone();
         nonlinear[k] = min * (max / min).powf(step as f64 / (POINTS - 1) as f64);
-        search::evaluate(others, &now, nonlinear)
+        refine::evaluate(others, &now, nonlinear)
     };
     let mut trials: Vec<Trial> = (0..POINTS).into_par_iter().map(at).collect();
     let found = optima(others, &trials);
@@ -109,20 +110,22 @@ fn along(others: &Fit<'_, '_>, now: Trial) -> Option<(usize, Vec<Trial>)> {
 }
 
 /// Local optima among trials in order, refined, where they are hardly worse than the best.
-fn optima(others: &Fit<'_, '_>, trials: &[Trial]) -> Vec<Trial> {
+fn optima(others: &Fit<'_>, trials: &[Trial]) -> Vec<Trial> {
     let gain = |i: usize| trials.get(i).map_or(f64::NEG_INFINITY, |t| t.gain);
     let Some(best) = trials.iter().max_by(|a, b| a.gain.total_cmp(&b.gain)) else { return vec![] };
     let is_one = |i: &usize| gain(*i) > gain(i + 1) && gain(*i) >= gain(i.wrapping_sub(1));
-    let close = |i: &usize| best.ahead_of(&trials[*i]) < LEAST_NATS;
+    let close = |i: &usize| best.ahead_of(&trials[*i]) < CLOSE_NATS;
     let places: Vec<usize> = (0..trials.len()).filter(is_one).filter(close).collect();
-    places.par_iter().map(|&i| search::refine(others, &trials[i])).collect()
+    places.par_iter().map(|&i| refine::refine(others, &trials[i])).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::diagnosis::candidate::Candidate;
-    use crate::diagnosis::evidence::Evidence;
+    use crate::diagnosis::data::Data;
+    use crate::diagnosis::screen::screen;
+    use crate::diagnosis::observed::Observed;
     use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::intervals::of_fit;
     use crate::diagnosis::model::Model;
@@ -146,12 +149,13 @@ mod tests {
         let torque = made.torque.joint_mut(JOINT);
         torque.iter_mut().zip(&spring).for_each(|(t, z)| *t += LEVEL_NM * z);
         noisy(&mut made, 0.5);
-        let evidence = Evidence::new(&twin, &made, &noise_floor(&made, &twin)).unwrap();
-        let fit = Fit::new(&evidence, Model::of(&twin));
-        let candidate = Candidate { effect, place: Place::Joint(JOINT) };
-        let (start, _) = search::screen(&fit, &[candidate], &[]).remove(0);
-        let fit = search::adopt(&fit, &Model::of(&twin), &search::refine(&fit, &start));
-        let mut values = of_fit(&fit, &evidence, &fit.system.residual).remove(0);
+        let observed = Observed::new(0, &twin, &made, &noise_floor(&made, &twin)).unwrap();
+        let data = Data::plain(vec![&observed]);
+        let fit = Fit::plain(&data, Model::of(&twin));
+        let candidate = Candidate::new(effect, Place::Joint(JOINT));
+        let start = screen(&fit, &[candidate]).remove(0).trial;
+        let fit = Fit::plain(&data, Model::of(&twin).with(refine::refine(&fit, &start).term()));
+        let mut values = of_fit(&fit).remove(0);
         let told = |values: &[Value]| {
             let width = &values[3];
             let levels = values[..3].iter().all(|v| v.low < 1.0 && v.high > 0.9 * LEVEL_NM);

@@ -1,352 +1,314 @@
-//! Every candidate against what a fit leaves: linear parameters by least squares, nonlinear ones
-//! from the effect's starts, then refined.
+//! Which causes are added to a twin, by evidence: one after the other, each given the others.
+//!
+//! Every hypothesis is a model of its own: the twin's open terms, causes, the discrepancy at its
+//! most likely sizes, noise. Causes are added, dropped and exchanged as long as the evidence grows
+//! (Tipping and Faul, "Fast marginal likelihood maximisation for sparse Bayesian models", 2003).
 
-use std::sync::Arc;
-
-use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::candidate::{Candidate, Term};
-use super::columns::Blocks;
-use super::model::{Fit, Model};
-use super::newton::descend;
-use crate::identification::{bounds::Bounds, brent};
-use crate::twin::Twin;
+use super::bound::Adopted;
+use super::candidate::{Candidate, Extent, acts_on};
+use super::criteria::Criteria;
+use super::data::Data;
+use super::fit::Fit;
+use super::held_out;
+use super::model::Model;
+use super::observed::Observed;
+use super::refine::{self, Trial};
+use super::screen::{Screened, screen};
+use super::Checked;
 
-/// Rounds of refining one nonlinear parameter after the other.
-const ROUNDS: usize = 5;
-/// Of the gain: from which on another round is worth it.
-const WORTH_ANOTHER: f64 = 0.003;
-/// Relative difference of a reference from its value that calls for refining.
-const INCONSISTENT: f64 = 0.02;
-/// Values looked at between the ends of a bracket with several optima.
-const SCANNED: usize = 9;
-/// Of the distance between starts: a value that is closer to a start has hardly left it.
-const AWAY: f64 = 0.25;
-/// Of a refined parameter, relative to the bracket (of its logarithm where positive).
-const TOLERANCE: f64 = 0.01;
-/// Rounds of setting references from what was fitted.
-const SETTLING: usize = 4;
+/// Candidates that are refined and weighed in full: a screening is right to within a few.
+const WEIGHED: usize = 10;
+/// Of the best one's gain: what gains less at its own best start is not refined.
+const WORTH_REFINING: f64 = 0.2;
+/// Rounds of exchanging causes.
+const REVISIONS: usize = 4;
 
-/// A candidate with values, and what it gains in log-likelihood over the fit it is added to.
+/// A candidate added to a state.
+pub struct Hypothesis<'a> {
+    pub trial: Trial,
+    pub fit: Fit<'a>,
+    /// Evidence over the state without it, its prior odds included, nats.
+    pub nats: f64,
+    /// A parameter at a bound that is not its null value.
+    pub at_bound: Option<&'static str>,
+}
+
+impl Hypothesis<'_> {
+    pub fn candidate(&self) -> Candidate {
+        self.trial.candidate
+    }
+}
+
+/// A cause among its rivals, the other causes in place.
+pub struct Standing<'a> {
+    /// Best first.
+    pub ranked: Vec<Hypothesis<'a>>,
+    /// The cause's index in `ranked`.
+    pub index: usize,
+    /// The other causes alone.
+    pub without: Fit<'a>,
+}
+
+impl<'a> Standing<'a> {
+    pub fn cause(&self) -> &Hypothesis<'a> {
+        &self.ranked[self.index]
+    }
+}
+
+/// One round: what was weighed, and what was added of it.
+pub struct Round {
+    pub weighed: Vec<Weighed>,
+    pub added: Vec<Candidate>,
+}
+
+/// What a round found of a candidate.
 #[derive(Debug, Clone)]
-pub struct Trial {
+pub struct Weighed {
     pub candidate: Candidate,
-    pub linear: Vec<f64>,
-    pub nonlinear: Vec<f64>,
-    pub gain: f64,
-    /// Half the weighted squares of the residual where it acts: no gain is larger.
-    pub most: f64,
-    /// Where the search began.
-    pub starts: Arc<Vec<Vec<f64>>>,
+    pub nats: f64,
+    pub at_bound: Option<&'static str>,
+    /// Linear, then nonlinear.
+    pub values: Vec<f64>,
 }
 
-impl Trial {
-    pub fn term(&self) -> Term {
-        let held = self.linear.iter().map(|v| *v == 0.0).collect();
-        let (candidate, nonlinear) = (self.candidate, self.nonlinear.clone());
-        let (linear, searched) = (self.linear.clone(), self.searched());
-        Term { linear, searched, held, ..Term::new(candidate, nonlinear) }
+/// What a search finds.
+pub struct Found<'a> {
+    /// The twin alone, beside its discrepancy.
+    pub start: Fit<'a>,
+    /// With all causes.
+    pub last: Fit<'a>,
+    pub rounds: Vec<Round>,
+    /// Every candidate that was screened in the first round, with the evidence it gains there, about.
+    pub screened: Vec<(Candidate, f64)>,
+}
+
+pub struct Search<'a> {
+    pub data: &'a Data<'a>,
+    pub candidates: Vec<Candidate>,
+    pub criteria: Criteria,
+    /// Where a cause has to gain that is to be added; nothing is asked where this is `None`.
+    pub judge: Option<Judge<'a>>,
+}
+
+/// Values from one recording alone, held against another.
+pub struct Judge<'a> {
+    pub fit: &'a Data<'a>,
+    pub check: &'a Observed<'a>,
+    pub seed: u64,
+}
+
+impl Judge<'_> {
+    /// How far cause `i` of a model shrinks what the others leave of the check recording.
+    pub fn shrink(&self, model: &Model, i: usize) -> Checked {
+        let left = |model| Fit::plain(self.fit, model).held_against(self.check);
+        let (without, with) = (left(model.without(i)), left(model.clone()));
+        held_out::pair(self.check, &without, &with, |pair| pair.checked(self.seed))
     }
 
-    /// Log-likelihood it is ahead of other values of the same candidate, nats: gains are in units of
-    /// what there was before, of which the better one may leave little.
-    pub fn ahead_of(&self, other: &Self) -> f64 {
-        let left = (self.most - self.gain).max(f64::MIN_POSITIVE);
-        (self.gain - other.gain) * (self.most / left).max(1.0)
-    }
-
-    /// The nonlinear parameters that are searched: those that differ among the starts.
-    pub fn searched(&self) -> Vec<usize> {
-        let starts = &self.starts;
-        let differs = |i: &usize| starts.iter().any(|s| s[*i] != starts[0][*i]);
-        (0..self.nonlinear.len()).filter(differs).collect()
-    }
-}
-
-/// The best start of every candidate, best first, each with what the same candidate gains on every
-/// surrogate.
-pub fn screen(
-    fit: &Fit,
-    candidates: &[Candidate],
-    surrogates: &[Blocks],
-) -> Vec<(Trial, Vec<f64>)> {
-    let mut each: Vec<(Trial, Vec<f64>)> =
-        candidates.par_iter().map(|c| best_start(fit, *c, surrogates)).collect();
-    each.sort_by(|(a, _), (b, _)| b.gain.total_cmp(&a.gain));
-    each
-}
-
-/// A term of a model as a trial on the fit without it.
-pub fn tried(fit: &Fit, term: &Term) -> Trial {
-    let starts = Arc::new(term.candidate.starts(&fit.motion()));
-    let (candidate, linear) = (term.candidate, vec![]);
-    let (gain, most) = (f64::NEG_INFINITY, 0.0);
-    let at = Trial { candidate, linear, nonlinear: vec![], gain, most, starts };
-    evaluate(fit, &at, term.nonlinear.clone())
-}
-
-fn best_start(fit: &Fit, candidate: Candidate, surrogates: &[Blocks]) -> (Trial, Vec<f64>) {
-    let starts = Arc::new(candidate.starts(&fit.motion()));
-    let mut best = Trial {
-        candidate,
-        linear: vec![],
-        nonlinear: vec![],
-        gain: f64::NEG_INFINITY,
-        most: 0.0,
-        starts: starts.clone(),
-    };
-    let mut largest = vec![0.0f64; surrogates.len()];
-    for nonlinear in starts.iter() {
-        let from = Trial { nonlinear: nonlinear.clone(), ..best.clone() };
-        let trial = match candidate.senses() {
-            true => with_sensor(fit, from),
-            false => with_columns(fit, from, surrogates, &mut largest),
-        };
-        if trial.gain > best.gain {
-            best = trial;
-        }
-    }
-    (best, largest)
-}
-
-/// Bounds of the linear parameters.
-pub fn linear_bounds(candidate: Candidate, twin: &Twin) -> Bounds {
-    let ranges = (0..candidate.linear()).map(|i| candidate.range(i, twin));
-    let (lower, upper) = ranges.map(|[min, max]| (min, max)).unzip();
-    Bounds::new(lower, upper).unwrap_or_else(|_| Bounds::unbounded(candidate.linear()))
-}
-
-fn with_columns(fit: &Fit, at: Trial, surrogates: &[Blocks], largest: &mut [f64]) -> Trial {
-    let columns = fit.columns(at.candidate, &at.nonlinear);
-    let bounds = linear_bounds(at.candidate, fit.evidence.twin);
-    let projected = fit.system.project(&columns);
-    let (linear, gain) = projected.solve(&projected.pull, &bounds);
-    let most = most(fit, &columns);
-    for (surrogate, largest) in surrogates.iter().zip(largest) {
-        let pull: DVector<f64> = fit.system.pull(&columns, surrogate);
-        *largest = largest.max(projected.solve(&pull, &bounds).1);
-    }
-    Trial { linear: linear.as_slice().to_vec(), gain, most, ..at }
-}
-
-/// Half the weighted squares of what `fit` leaves at the joints that columns touch.
-fn most(fit: &Fit, columns: &[Blocks]) -> f64 {
-    let touched = |j: &usize| columns.iter().any(|c| c.touches(*j));
-    let joints = (0..fit.squares.len()).filter(touched);
-    joints.map(|j| 0.5 * fit.system.weights[j] * fit.squares[j]).sum()
-}
-
-/// A sensor changes every column: everything is fitted again.
-fn with_sensor(fit: &Fit, at: Trial) -> Trial {
-    let new = Fit::new(fit.evidence, fit.model.with(at.term()));
-    let weights = &fit.system.weights;
-    let change = fit.squares.iter().zip(&new.squares).zip(weights);
-    let gain = change.map(|((before, after), w)| 0.5 * w * (before - after)).sum();
-    Trial { gain, ..at }
-}
-
-/// The trial at other nonlinear parameters.
-pub fn evaluate(fit: &Fit, trial: &Trial, nonlinear: Vec<f64>) -> Trial {
-    let at = Trial { nonlinear, ..trial.clone() };
-    match at.candidate.senses() {
-        true => with_sensor(fit, at),
-        false => with_columns(fit, at, &[], &mut []),
+    /// Does it, surely? What acts in one recording alone has nothing to show in the other.
+    pub fn agrees(&self, model: &Model, i: usize) -> bool {
+        model.causes[i].candidate.recording.is_some() || self.shrink(model, i).low > 0.0
     }
 }
 
-/// Standard deviations of a trial's linear parameters, its nonlinear ones given and all others free,
-/// in the noise that the trial leaves.
-pub fn spread(fit: &Fit, trial: &Trial) -> Vec<f64> {
-    let columns = fit.columns(trial.candidate, &trial.nonlinear);
-    let most = trial.most.max(f64::MIN_POSITIVE);
-    let noise = ((trial.most - trial.gain) / most).clamp(0.0, 1.0);
-    let variances = fit.system.project(&columns).variances();
-    variances.into_iter().map(|v| (noise * v).sqrt()).collect()
-}
-
-/// Refines the nonlinear parameters that differ among the starts, between the neighbouring
-/// starts, and lets references follow from what was fitted. A reference that cannot follow, because
-/// other parameters are still off, is refined as they are.
-pub fn refine(fit: &Fit, start: &Trial) -> Trial {
-    let searched = start.searched();
-    let mut best = settle(fit, start.clone());
-    for _ in 0..ROUNDS {
-        let before = best.gain;
-        for &i in searched.iter().filter(|&&i| !settled(start, i)) {
-            best = along(fit, best, i);
-        }
-        for (i, k) in pairs_of_a_kind(start, &searched) {
-            best = exchange(fit, best, i, k);
-        }
-        best = settle(fit, best);
-        for &i in searched.iter().filter(|&&i| settled(start, i)) {
-            if !is_consistent(&best, i) {
-                best = along(fit, best, i);
+impl<'a> Search<'a> {
+    /// From the twin alone to all causes the evidence supports.
+    pub fn run(&self) -> Found<'a> {
+        let all: Vec<usize> = (0..self.data.joints()).collect();
+        let start = self.tuned(Fit::plain(self.data, Model::of(self.data.twin)), &all);
+        let mut last = start.clone();
+        let (mut rounds, mut first) = (Vec::new(), Vec::new());
+        while last.model.causes.len() < self.criteria.most_causes {
+            let open = self.open(&last.model);
+            let screened = screen(&last, &open);
+            if rounds.is_empty() {
+                first = screened.iter().map(|s| (s.trial.candidate, s.gain)).collect();
+            }
+            let ranked = self.weigh(&last, screened, WEIGHED);
+            let (round, next) = self.added(&last, &ranked);
+            rounds.push(round);
+            let Some(next) = next else { break };
+            let fresh = next.model.causes[last.model.causes.len()..].iter();
+            let fresh = fresh.map(|t| t.candidate).collect();
+            let revised = self.revised(next, fresh);
+            let same = revised.model.causes.len() == last.model.causes.len()
+                && revised.model.causes.iter().all(|t| last.model.has(t.candidate));
+            last = revised;
+            if same {
+                break;
             }
         }
-        if best.gain - before < WORTH_ANOTHER * before || searched.len() < 2 {
-            break;
+        Found { start, last, rounds, screened: first }
+    }
+
+    fn open(&self, model: &Model) -> Vec<Candidate> {
+        self.candidates.iter().filter(|c| !model.has(**c)).copied().collect()
+    }
+
+    /// The best, and what is best at other joints where nothing that acts on several does better there:
+    /// an arm's drives are alike, and lack the same.
+    fn added(&self, state: &Fit<'a>, ranked: &[Hypothesis<'a>]) -> (Round, Option<Fit<'a>>) {
+        let weighed = ranked
+            .iter()
+            .map(|h| Weighed {
+                candidate: h.candidate(),
+                nats: h.nats,
+                at_bound: h.at_bound,
+                values: h.fit.values(h.fit.model.causes.len() - 1),
+            })
+            .collect();
+        let agrees = |h: &Hypothesis<'a>| {
+            let last = h.fit.model.causes.len() - 1;
+            self.judge.as_ref().is_none_or(|judge| judge.agrees(&h.fit.model, last))
+        };
+        let enough = |h: &&Hypothesis<'a>| {
+            h.at_bound.is_none() && h.nats > self.criteria.least_nats && agrees(h)
+        };
+        let mut good = ranked.iter().filter(enough);
+        let Some(best) = good.next() else {
+            return (Round { weighed, added: vec![] }, None);
+        };
+        let mut added = vec![best];
+        if best.candidate().extent() != Extent::Several {
+            for other in good {
+                if other.candidate().extent() == Extent::Several {
+                    break;
+                }
+                let meets = |h: &&Hypothesis| h.candidate().extent() == other.candidate().extent();
+                if !added.iter().any(meets) {
+                    added.push(other);
+                }
+            }
         }
+        let names = added.iter().map(|h| h.candidate()).collect();
+        let next = match added[..] {
+            [only] => only.fit.clone(),
+            _ => {
+                let model = added.iter().fold(state.model.clone(), |m, h| m.with(h.trial.term()));
+                let mut sizes = state.sizes.clone();
+                for h in &added {
+                    for j in self.touched(h.candidate()) {
+                        sizes[j].clone_from(&h.fit.sizes[j]);
+                    }
+                }
+                Fit::new(self.data, model, sizes)
+            }
+        };
+        (Round { weighed, added: names }, Some(next))
     }
-    settle(fit, descend(fit, best))
-}
 
-/// Is reference `i` close to the value it refers to?
-fn is_consistent(trial: &Trial, i: usize) -> bool {
-    let mut should = trial.nonlinear.clone();
-    trial.candidate.effect.settle(&trial.linear, &mut should);
-    (should[i] - trial.nonlinear[i]).abs() <= INCONSISTENT * should[i].abs()
-}
+    /// With the discrepancy at its most likely sizes at some joints.
+    pub fn tuned(&self, fit: Fit<'a>, joints: &[usize]) -> Fit<'a> {
+        let sizes = fit.likely_sizes(joints);
+        fit.beside(sizes)
+    }
 
-/// Is parameter `i` a reference that follows from the linear ones?
-pub fn settled(trial: &Trial, i: usize) -> bool {
-    let mut moved = trial.nonlinear.clone();
-    let linear: Vec<f64> = trial.linear.iter().map(|v| 1.7 * v + 1e-3).collect();
-    trial.candidate.effect.settle(&linear, &mut moved);
-    moved[i] != trial.nonlinear[i]
-}
+    pub fn touched(&self, candidate: Candidate) -> Vec<usize> {
+        (0..self.data.joints()).filter(|j| acts_on(candidate, *j)).collect()
+    }
 
-fn settle(fit: &Fit, mut trial: Trial) -> Trial {
-    for _ in 0..SETTLING {
-        let mut nonlinear = trial.nonlinear.clone();
-        trial.candidate.effect.settle(&trial.linear, &mut nonlinear);
-        if nonlinear == trial.nonlinear {
-            break;
+    /// What a candidate starts with against it: one among so many.
+    fn ln_rivals(&self) -> f64 {
+        (self.candidates.len().max(1) as f64).ln()
+    }
+
+    /// The best of those screened, refined and weighed beside the discrepancy that each leaves; best
+    /// first.
+    fn weigh(&self, state: &Fit<'a>, screened: Vec<Screened>, most: usize) -> Vec<Hypothesis<'a>> {
+        let best = screened.first().map_or(0.0, |s| s.gain);
+        let worth: Vec<Screened> =
+            screened.into_iter().take(most).filter(|s| s.gain.is_finite()).collect();
+        let weigh = |s: &Screened| self.hypothesis(state, s, s.gain >= WORTH_REFINING * best);
+        let mut ranked: Vec<Hypothesis> = worth.par_iter().map(weigh).collect();
+        ranked.sort_by(|a, b| b.nats.total_cmp(&a.nats));
+        ranked
+    }
+
+    fn hypothesis(&self, state: &Fit<'a>, screened: &Screened, refined: bool) -> Hypothesis<'a> {
+        let beside = state.clone().beside(screened.sizes.clone());
+        let trial = match refined {
+            true => refine::refine(&beside, &screened.trial),
+            false => refine::evaluate(&beside, &screened.trial, screened.trial.nonlinear.clone()),
+        };
+        self.adopted(state, &beside, trial)
+    }
+
+    fn adopted(&self, state: &Fit<'a>, beside: &Fit<'a>, trial: Trial) -> Hypothesis<'a> {
+        let adopted = Adopted::new(beside, trial).inside(self.criteria.least_nats);
+        let Adopted { trial, fit, at_bound, .. } = adopted;
+        let fit = self.tuned(fit, &self.touched(trial.candidate));
+        let nats = fit.ln_evidence() - state.ln_evidence() - self.ln_rivals();
+        Hypothesis { trial, fit, nats, at_bound }
+    }
+
+    /// The causes seen together again, as far as they meet what is `fresh` among them: one that no longer
+    /// earns its place is dropped, one that another fills better gives way.
+    fn revised(&self, mut fit: Fit<'a>, mut fresh: Vec<Candidate>) -> Fit<'a> {
+        for _ in 0..REVISIONS {
+            if fit.model.causes.len() < 2 {
+                break;
+            }
+            let Some(better) = self.exchanged(&fit, &fresh) else { break };
+            let come = better.model.causes.iter().filter(|t| !fit.model.has(t.candidate));
+            let gone = fit.model.causes.iter().filter(|t| !better.model.has(t.candidate));
+            fresh = come.chain(gone).map(|t| t.candidate).collect();
+            fit = better;
         }
-        let next = evaluate(fit, &trial, nonlinear);
-        if next.gain < 0.98 * trial.gain {
-            break;
-        }
-        trial = next;
+        fit
     }
-    trial
-}
 
-/// Parameters that can give to each other: of one unit, neither a reference.
-fn pairs_of_a_kind(trial: &Trial, searched: &[usize]) -> Vec<(usize, usize)> {
-    let of = |i: usize| &trial.candidate.effect.about().parameters[trial.candidate.linear() + i];
-    let own = |i: &&usize| !of(**i).is_reference();
-    let free: Vec<usize> = searched.iter().filter(own).copied().collect();
-    let after = |i: usize| free.iter().copied().filter(move |k| *k > i);
-    let pairs = free.iter().flat_map(|&i| after(i).map(move |k| (i, k)));
-    pairs.filter(|(i, k)| of(*i).unit == of(*k).unit).collect()
-}
-
-/// The best value of nonlinear parameter `i`, the others as they are.
-fn along(fit: &Fit, best: Trial, i: usize) -> Trial {
-    let now = best.nonlinear.clone();
-    let [below, above] = neighbours(&best, i);
-    let by_ratio = below > 0.0 && now[i] > 0.0;
-    let to = |x: f64| if by_ratio { x.ln() } else { x };
-    let at = |u: f64| {
-        let mut nonlinear = now.clone();
-        nonlinear[i] = if by_ratio { u.exp() } else { u };
-        nonlinear
-    };
-    line(fit, best, i, [to(below), to(above)], at)
-}
-
-/// What nonlinear parameter `i` gains `k` loses, as much as is best: the start of a stretch of time
-/// moves while its end stays.
-fn exchange(fit: &Fit, best: Trial, i: usize, k: usize) -> Trial {
-    let now = best.nonlinear.clone();
-    let ([below_i, above_i], [below_k, above_k]) = (neighbours(&best, i), neighbours(&best, k));
-    let low = (below_i - now[i]).max(now[k] - above_k);
-    let high = (above_i - now[i]).min(now[k] - below_k);
-    let at = |u: f64| {
-        let mut nonlinear = now.clone();
-        nonlinear[i] += u;
-        nonlinear[k] -= u;
-        nonlinear
-    };
-    line(fit, best, i, [low, high], at)
-}
-
-/// The starts next to the value of nonlinear parameter `i`, other than one it hardly left; beyond
-/// the last one as far as to the one before, within the range.
-pub fn neighbours(trial: &Trial, i: usize) -> [f64; 2] {
-    let parameter = &trial.candidate.effect.about().parameters[trial.candidate.linear() + i];
-    let now = trial.nonlinear[i];
-    if let Some(ends) = trial.candidate.effect.bracket(&trial.nonlinear, i) {
-        return ends.map(|end| parameter.clamp(end));
+    fn exchanged(&self, fit: &Fit<'a>, fresh: &[Candidate]) -> Option<Fit<'a>> {
+        let meets = |c: Candidate| fresh.iter().any(|f| f.extent().meets(c.extent()));
+        let indices = (0..fit.model.causes.len()).filter(|i| meets(fit.model.causes[*i].candidate));
+        let indices: Vec<usize> = indices.collect();
+        indices.into_iter().find_map(|i| {
+            let cause = fit.model.causes[i].candidate;
+            let without = self.without(fit, i);
+            let mine = fit.ln_evidence() - without.ln_evidence() - self.ln_rivals();
+            if mine < self.criteria.least_nats {
+                return Some(without);
+            }
+            let ranked = self.rivals(fit, &without, cause, WEIGHED / 2);
+            let best = ranked.into_iter().find(|h| h.at_bound.is_none())?;
+            (best.nats > mine + self.criteria.least_nats).then_some(best.fit)
+        })
     }
-    // Evenly spaced in ratio or difference.
-    let by_ratio = parameter.min > 0.0;
-    let scale = |x: f64| if by_ratio { x.ln() } else { x };
-    let mut starts: Vec<f64> = trial.starts.iter().map(|s| scale(s[i])).collect();
-    starts.sort_by(f64::total_cmp);
-    let gaps = starts.windows(2).map(|w| w[1] - w[0]).filter(|gap| *gap > 0.0);
-    let (now, away) = (scale(now), AWAY * gaps.fold(f64::INFINITY, f64::min));
-    let below = starts.iter().rfind(|s| **s < now - away);
-    let above = starts.iter().find(|s| **s > now + away);
-    let [low, high] = match (below, above) {
-        (Some(below), Some(above)) => [*below, *above],
-        (Some(below), None) => [*below, 2.0 * now - below],
-        (None, Some(above)) => [2.0 * now - above, *above],
-        (None, None) => return [parameter.min, parameter.max],
-    };
-    [low, high].map(|end| parameter.clamp(if by_ratio { end.exp() } else { end }))
-}
 
-/// The best trial on a line through the nonlinear parameters, between two ends.
-fn line(fit: &Fit, best: Trial, i: usize, ends: [f64; 2], at: impl Fn(f64) -> Vec<f64>) -> Trial {
-    let scan = best.candidate.effect.bracket(&best.nonlinear, i).is_some();
-    let parameters = &best.candidate.effect.about().parameters[best.candidate.linear()..];
-    let fixed = best.clone();
-    let mut top = best;
-    let mut cost = |u: f64| {
-        let inside = at(u).iter().zip(parameters).map(|(v, p)| p.clamp(*v)).collect();
-        let trial = evaluate(fit, &fixed, inside);
-        let cost = -trial.gain;
-        if trial.gain > top.gain {
-            top = trial;
-        }
-        cost
-    };
-    let [mut low, mut high] = ends;
-    if high > low && scan {
-        let step = (high - low) / (SCANNED - 1) as f64;
-        let costs = (0..SCANNED).map(|k| low + step * k as f64).map(|u| (u, cost(u)));
-        let best = costs.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(low, |(u, _)| u);
-        (low, high) = ((best - step).max(low), (best + step).min(high));
+    /// Without cause `i`, beside the discrepancy that this leaves.
+    pub fn without(&self, fit: &Fit<'a>, i: usize) -> Fit<'a> {
+        let cause = fit.model.causes[i].candidate;
+        let without = Fit::new(self.data, fit.model.without(i), fit.sizes.clone());
+        self.tuned(without, &self.touched(cause))
     }
-    if high > low {
-        brent::minimise(&mut cost, low, high, TOLERANCE * (high - low));
+
+    fn rivals(
+        &self,
+        fit: &Fit<'a>,
+        without: &Fit<'a>,
+        cause: Candidate,
+        most: usize,
+    ) -> Vec<Hypothesis<'a>> {
+        let mut open = self.open(&fit.model);
+        open.retain(|c| c.extent().meets(cause.extent()));
+        self.weigh(without, screen(without, &open), most)
     }
-    top
-}
 
-/// The trial's candidate as one more cause of the model, everything fitted again.
-pub fn adopt<'a, 'e>(fit: &Fit<'a, 'e>, model: &Model, trial: &Trial) -> Fit<'a, 'e> {
-    Fit::new(fit.evidence, model.with(trial.term()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diagnosis::candidate::Place;
-    use crate::diagnosis::evidence::Evidence;
-    use crate::diagnosis::floor::noise_floor;
-    use crate::diagnosis::testing::samples;
-    use crate::effects::find;
-
-    /// The drive's rotor may be lighter than the twin's; it cannot be lighter than none.
-    #[test]
-    fn a_rotor_can_lose_what_the_drive_has_of_it() {
-        let (has, lost) = (1.0, -0.4);
-        let mut twin = Twin::default();
-        twin.drive.rotor_inertia = vec![has + lost; 6];
-        let mut made = samples(6, 2000, |j, t| 0.6 * ((0.9 + 0.2 * j as f64) * t).sin());
-        made.torque = twin.torque(&twin.motion(&made));
-        twin.drive.rotor_inertia[3] = has;
-        let floor = noise_floor(&made, &twin);
-        let evidence = Evidence::new(&twin, &made, &floor).unwrap();
-        let fit = Fit::new(&evidence, Model::of(&twin));
-        let effect = find("rotor_inertia").unwrap();
-        let candidate = Candidate { effect, place: Place::Joint(3) };
-        let (found, _) = screen(&fit, &[candidate], &[]).remove(0);
-        assert!((found.linear[0] - lost).abs() < 1e-6, "{:?}", found.linear);
-        assert_eq!(linear_bounds(candidate, &twin).lower(0), -has);
+    /// Every cause among its rivals.
+    pub fn standings(&self, last: &Fit<'a>) -> Vec<Standing<'a>> {
+        let standing = |i: usize| {
+            let cause = &last.model.causes[i];
+            let without = self.without(last, i);
+            let mut ranked = self.rivals(last, &without, cause.candidate, WEIGHED);
+            let trial = refine::tried(&without, cause);
+            let beside = without.clone().beside(last.sizes.clone());
+            ranked.push(self.adopted(&without, &beside, trial));
+            ranked.sort_by(|a, b| b.nats.total_cmp(&a.nats));
+            let mine = |h: &Hypothesis| h.candidate() == cause.candidate;
+            let index = ranked.iter().position(mine).unwrap_or_default();
+            Standing { ranked, index, without }
+        };
+        (0..last.model.causes.len()).map(standing).collect()
     }
 }

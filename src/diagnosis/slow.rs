@@ -8,37 +8,44 @@
 
 use super::Value;
 use super::conditioning::GUARD_S;
-use super::evidence::Evidence;
+use super::observed::Observed;
 use super::floor::noise_floor;
 use super::intervals;
 use super::locate::refine_together;
-use super::model::{Fit, Model};
+use super::data::Data;
+use super::fit::Fit;
+use super::model::Model;
 use super::profile;
 use crate::signals::{Conditioning, Samples};
 
 /// Values of the causes that outrun the motion, with their indices; `None` where there are none, or
 /// where the torque of a recording has passed a low-pass already. Units as the catalogue has them.
-pub fn values(fit: &Fit<'_, '_>, check: &Evidence<'_>) -> Option<Vec<(usize, Vec<Value>)>> {
-    let twin = fit.evidence.twin;
+pub fn values(fit: &Fit<'_>) -> Option<Vec<(usize, Vec<Value>)>> {
+    let twin = fit.data.twin;
     let causes = fit.model.causes.iter().enumerate();
     let outruns = causes.filter(|(_, t)| t.candidate.effect.outruns_motion());
     let sought: Vec<usize> = outruns.map(|(i, _)| i).collect();
     if sought.is_empty() {
         return None;
     }
-    let [fit_samples, check_samples] = [low_passed(fit.evidence)?, low_passed(check)?];
-    let evidence = |samples| Evidence::new(twin, samples, &noise_floor(samples, twin)).ok();
-    let (on_fit, on_check) = (evidence(&fit_samples)?, evidence(&check_samples)?);
+    let samples: Vec<Samples> =
+        fit.data.parts.iter().map(|p| low_passed(p)).collect::<Option<_>>()?;
+    let mut parts = Vec::new();
+    for (part, samples) in fit.data.parts.iter().zip(&samples) {
+        let floor = noise_floor(samples, twin);
+        parts.push(Observed::new(part.index, twin, samples, &floor).ok()?);
+    }
+    let data = Data::plain(parts.iter().collect());
     let mut model: Model = fit.model.clone();
-    refine_together(&on_fit, &mut model, &sought);
-    let again = Fit::new(&on_fit, model);
-    let mut all = intervals::of_fit(&again, &on_check, &again.held_against(&on_check));
+    refine_together(&data, &mut model, &sought);
+    let again = Fit::plain(&data, model);
+    let mut all = intervals::of_fit(&again);
     sought.iter().for_each(|&i| profile::widen(&again, i, &mut all[i]));
     Some(all.into_iter().enumerate().filter(|(i, _)| sought.contains(i)).collect())
 }
 
 /// The samples of a recording whose torque is taken as it is, to be low-passed as usual.
-fn low_passed(evidence: &Evidence<'_>) -> Option<Samples> {
+fn low_passed(evidence: &Observed<'_>) -> Option<Samples> {
     let samples = evidence.samples;
     let torque_cutoff_hz = Conditioning::default().torque_cutoff_hz;
     let guard_s = samples.conditioning.guard_s.max(GUARD_S);
@@ -51,8 +58,8 @@ fn low_passed(evidence: &Evidence<'_>) -> Option<Samples> {
 mod tests {
     use super::*;
     use crate::diagnosis::candidate::{Candidate, Place};
-    use crate::diagnosis::columns::Blocks;
-    use crate::diagnosis::search::{adopt, refine, screen};
+    use crate::diagnosis::refine::refine;
+    use crate::diagnosis::screen::screen;
     use crate::diagnosis::testing::{noisy, samples};
     use crate::effects::find;
     use crate::signals::SavitzkyGolay;
@@ -97,16 +104,16 @@ mod tests {
         let mut twin = Twin::default();
         twin.drive.rotor_inertia = vec![INERTIA; 6];
         let made = jerked(&twin);
-        let evidence = Evidence::new(&twin, &made, &noise_floor(&made, &twin)).unwrap();
-        let fit = Fit::new(&evidence, Model::of(&twin));
+        let observed = Observed::new(0, &twin, &made, &noise_floor(&made, &twin)).unwrap();
+        let data = Data::plain(vec![&observed]);
+        let fit = Fit::plain(&data, Model::of(&twin));
         let effect = find("maxwell_slip").unwrap();
-        let candidate = Candidate { effect, place: Place::Joint(JOINT) };
-        let (start, _) = screen(&fit, &[candidate], &[]).remove(0);
-        let fit = adopt(&fit, &Model::of(&twin), &refine(&fit, &start));
-        let left: &Blocks = &fit.system.residual;
+        let candidate = Candidate::new(effect, Place::Joint(JOINT));
+        let start = screen(&fit, &[candidate]).remove(0).trial;
+        let fit = Fit::plain(&data, Model::of(&twin).with(refine(&fit, &start).term()));
         let width = |values: &[Vec<Value>]| values[0][3].value / WIDTH_RAD - 1.0;
-        let sharp = width(&intervals::of_fit(&fit, &evidence, left));
-        let slow = width(&intervals::values(&fit, &evidence, left));
+        let sharp = width(&intervals::of_fit(&fit));
+        let slow = width(&intervals::values(&fit));
         assert!(sharp.abs() > 0.03 && slow.abs() < 0.01, "{sharp} {slow}");
     }
 }

@@ -1,8 +1,9 @@
 //! What a diagnosis rests on, sample by sample: the check recording, before and after the causes.
 
-use super::columns::Blocks;
-use super::evidence::Evidence;
-use super::model::Fit;
+use crate::regression::Blocks;
+use super::observed::Observed;
+use super::candidate::Term;
+use super::fit::Fit;
 use super::regimes::{conditions, transmitted};
 use super::verdict::Findings;
 use super::{Diagnosis, Floor, mend};
@@ -75,12 +76,9 @@ impl JointTraces {
 
 impl Traces {
     /// `answer` is what the findings say.
-    pub(super) fn new(findings: &Findings<'_, '_>, answer: &Diagnosis) -> Self {
-        let check: &Evidence<'_> = findings.search.check;
-        let last = &findings.account.last;
-        let named = Some(last).filter(|_| !answer.causes.is_empty());
-        let start = &findings.account.start.residual;
-        let after = named.map_or(start, |h| &h.residual);
+    pub(super) fn new(findings: &Findings<'_>, answer: &Diagnosis) -> Self {
+        let check: &Observed<'_> = findings.check;
+        let (start, after) = (&findings.held.before, &findings.held.after);
         let mended = mend(check.twin, &answer.fitted, &answer.causes);
         let made = Made {
             check,
@@ -88,7 +86,7 @@ impl Traces {
             masses: masses(&mended).torque(&check.twin.motion(check.samples)),
             before: check.over_time(start),
             blocks: [start, after],
-            contact: named.map_or(Vec::new(), |h| contact(check, &h.fit)),
+            contact: contact(check, &findings.last),
         };
         let samples = check.samples;
         Self {
@@ -109,11 +107,12 @@ fn masses(twin: &Twin) -> Twin {
 }
 
 /// True where a contact among the causes touches.
-fn contact(check: &Evidence<'_>, fit: &Fit<'_, '_>) -> Vec<bool> {
+fn contact(check: &Observed<'_>, fit: &Fit<'_>) -> Vec<bool> {
     let motion = check.motion(&check.twin.robot);
     let mut touches = Vec::new();
     let causes = fit.model.causes.iter();
-    for term in causes.filter(|t| t.candidate.effect.about().name == "external_contact") {
+    let here = |t: &&Term| t.candidate.recording.is_none_or(|r| r == check.index);
+    for term in causes.filter(|t| t.candidate.effect.lasts_a_while()).filter(here) {
         touches.resize(check.samples.len(), false);
         for column in term.candidate.effect.reach(&motion, 0, &term.nonlinear) {
             for joint in 0..column.joints() {
@@ -126,7 +125,7 @@ fn contact(check: &Evidence<'_>, fit: &Fit<'_, '_>) -> Vec<bool> {
 
 /// Series over all samples, from which the rows are taken.
 struct Made<'a, 'e> {
-    check: &'a Evidence<'e>,
+    check: &'a Observed<'e>,
     load: JointSeries,
     masses: JointSeries,
     before: JointSeries,

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::Untestable;
 use super::candidate::{Candidate, Place};
-use super::model::Fit;
+use super::fit::Fit;
 use crate::effects::{Parameter, Role, Scope};
 
 /// Share of a column that nothing else shows, below which an effect cannot be told from the rest.
@@ -14,7 +14,7 @@ const LEAST_SEEN: f64 = 4.0;
 
 /// The candidates that would not show if they were there at their typical size, against what
 /// `fit` leaves; joints of an effect with the same reason together.
-pub fn untestable(fit: &Fit<'_, '_>, candidates: &[Candidate]) -> Vec<Untestable> {
+pub fn untestable(fit: &Fit<'_>, candidates: &[Candidate]) -> Vec<Untestable> {
     let reasons: Vec<Option<&str>> = candidates.par_iter().map(|c| reason(fit, *c)).collect();
     let mut found: Vec<Untestable> = Vec::new();
     for (candidate, why) in candidates.iter().zip(reasons) {
@@ -34,30 +34,30 @@ pub fn untestable(fit: &Fit<'_, '_>, candidates: &[Candidate]) -> Vec<Untestable
     found
 }
 
-fn reason(fit: &Fit<'_, '_>, candidate: Candidate) -> Option<&'static str> {
+fn reason(fit: &Fit<'_>, candidate: Candidate) -> Option<&'static str> {
     let about = candidate.effect.about();
     if candidate.senses() {
         // Asked of the channels themselves where both are recorded (`kinematics`).
-        let asked = fit.evidence.samples.sensed.is_some() || candidate.place != Place::Arm;
+        let asked = fit.data.parts[0].samples.sensed.is_some() || candidate.place != Place::Arm;
         return match about.name {
             "velocity_lag" if !asked => Some("no velocities are recorded beside the positions"),
             _ => None,
         };
     }
     if let (Place::Joint(j), Scope::Joint) = (candidate.place, about.scope)
-        && fit.evidence.rows[j].is_empty()
+        && fit.data.rows(j) == 0
     {
         return Some("the joint hardly slides: move it");
     }
     let typical = typical(about.parameters, Role::Nonlinear);
     let columns = fit.columns(candidate, &typical);
-    if columns.iter().all(|c| c.0.iter().all(Vec::is_empty)) {
+    if columns.iter().all(|c| c.rows.0.iter().all(Vec::is_empty)) {
         return Some(match about.name {
             "temperature_friction" => "no joint temperatures are recorded, or they do not change",
             _ => "it would give no torque in this motion",
         });
     }
-    let projected = fit.system.project(&columns);
+    let projected = fit.system.project(&columns, &vec![f64::INFINITY; columns.len()]);
     let own = projected.own_share();
     let linear = typical_linear(about.parameters);
     let size = |i: usize| linear[i].powi(2) * projected.information[(i, i)].max(0.0);

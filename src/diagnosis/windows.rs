@@ -5,15 +5,101 @@
 //! as the fitted end. Each end is moved on its own, everything else kept, and the likelihood over
 //! its places, all alike beforehand, gives the interval.
 
-use super::evidence::Evidence;
-use super::intervals::{LEVEL, predicted};
-use super::model::{Fit, Model};
-use super::rank::effective_shares;
+use nalgebra::{Matrix3, Vector3};
+
+use super::candidate::Candidate;
+use super::fit::Fit;
+use super::intervals::{LEVEL, independent};
+use super::model::Model;
+use crate::regression::{Column, Raw};
 
 /// Of log-likelihood: an end that is worse by more is out of the question, nats.
 const BEYOND: f64 = 12.0;
 /// Each step of an end is this much longer than the one before, and by a sample at least.
 const LONGER: f64 = 1.3;
+
+/// Windows of a search that are tried in full, of each residual.
+const PROMISING: usize = 4;
+
+/// Of the starts of a candidate that lasts for a while, those whose window holds most that its columns
+/// explain, of what the model leaves with the discrepancy and without; and those that are no windows.
+pub fn promising<'s>(
+    fit: &Fit<'_>,
+    candidate: Candidate,
+    starts: &'s [Vec<f64>],
+) -> Vec<&'s Vec<f64>> {
+    let longest = |a: &&Vec<f64>, b: &&Vec<f64>| a[1].total_cmp(&b[1]);
+    let Some(whole) = starts.iter().max_by(longest) else { return Vec::new() };
+    let (windows, others): (Vec<_>, Vec<_>) =
+        starts.iter().partition(|s| s[2..] == whole[2..]);
+    let columns = fit.raw_kept(candidate, whole);
+    let residuals: [Vec<Vec<f64>>; 2] = [
+        (0..fit.data.joints()).map(|j| fit.innovations(j)).collect(),
+        fit.system.residual.rows.0.clone(),
+    ];
+    let mut chosen: Vec<&Vec<f64>> = others;
+    for residual in &residuals {
+        let sums = Sums::new(fit, candidate, &columns, residual);
+        let mut gains: Vec<(f64, &Vec<f64>)> =
+            windows.iter().map(|s| (sums.gain(s[0], s[0] + s[1]), *s)).collect();
+        gains.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, start) in gains.into_iter().take(PROMISING) {
+            if !chosen.contains(&start) {
+                chosen.push(start);
+            }
+        }
+    }
+    chosen
+}
+
+/// Running sums over time of products of the columns with each other and with a residual, so that
+/// any window costs two look-ups.
+struct Sums {
+    /// Of every row in time, s.
+    time: Vec<f64>,
+    /// Up to and without that row: C'C and C'r, weighted by 1/s^2.
+    running: Vec<(Matrix3<f64>, Vector3<f64>)>,
+}
+
+impl Sums {
+    fn new(fit: &Fit<'_>, candidate: Candidate, columns: &[Raw], residual: &[Vec<f64>]) -> Self {
+        let mut rows: Vec<(f64, Matrix3<f64>, Vector3<f64>)> = Vec::new();
+        for j in 0..fit.data.joints() {
+            let variance = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>() / r.len().max(1) as f64;
+            let weight = 1.0 / variance(&residual[j]).max(fit.data.least(j)).max(f64::MIN_POSITIVE);
+            let mut row = 0;
+            for part in &fit.data.parts {
+                let here = candidate.recording.is_none_or(|r| r == part.index);
+                for &k in &part.rows[j] {
+                    let at = |c: &Raw| c.rows.0[j].get(row).copied().unwrap_or(0.0);
+                    let c = Vector3::from_iterator(columns.iter().map(at));
+                    if here {
+                        let pull = c * residual[j][row] * weight;
+                        rows.push((part.samples.time(k), c * c.transpose() * weight, pull));
+                    }
+                    row += 1;
+                }
+            }
+        }
+        rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut sum = (Matrix3::zeros(), Vector3::zeros());
+        let mut running = vec![sum];
+        for (_, square, pull) in &rows {
+            sum = (sum.0 + square, sum.1 + pull);
+            running.push(sum);
+        }
+        Self { time: rows.into_iter().map(|r| r.0).collect(), running }
+    }
+
+    /// Half the squares that one force over the window takes off.
+    fn gain(&self, from: f64, until: f64) -> f64 {
+        let at = |t: f64| self.time.partition_point(|time| *time < t);
+        let ((a, b), (c, d)) = (self.running[at(from)], self.running[at(until)]);
+        let (square, pull) = (c - a, d - b);
+        let ridge = Matrix3::identity() * (1e-9 * square.trace() + f64::MIN_POSITIVE);
+        (square + ridge).try_inverse().map_or(0.0, |inverse| 0.5 * pull.dot(&(inverse * pull)))
+    }
+}
 
 /// Where an end may be.
 struct Spread {
@@ -25,13 +111,13 @@ struct Spread {
 
 /// Of cause `i`, which has a window of time: [low, high] of its start and of its length, s; with their
 /// places among the nonlinear parameters. `None` where it has none, or where it was not searched.
-pub fn intervals(fit: &Fit<'_, '_>, i: usize) -> Option<[(usize, [f64; 2]); 2]> {
+pub fn intervals(fit: &Fit<'_>, i: usize) -> Option<[(usize, [f64; 2]); 2]> {
     let term = &fit.model.causes[i];
     let (nonlinear, effect) = (&term.nonlinear, term.candidate.effect);
     let is_end = |k: &usize| effect.bracket(nonlinear, *k).is_some() && term.searched.contains(k);
     let ends: Vec<usize> = (0..nonlinear.len()).filter(is_end).collect();
     let [start, length] = ends[..] else { return None };
-    let dt = fit.evidence.samples.dt;
+    let dt = fit.data.parts[0].samples.dt;
     let most = (0.5 * nonlinear[length] / dt) as isize;
     let moved = |by: [f64; 2]| {
         let mut model = fit.model.clone();
@@ -51,12 +137,9 @@ pub fn intervals(fit: &Fit<'_, '_>, i: usize) -> Option<[(usize, [f64; 2]); 2]> 
 }
 
 /// Its logarithm, nats, the linear parameters as they are.
-fn likelihood(fit: &Fit<'_, '_>, model: &Model) -> f64 {
-    let evidence: &Evidence<'_> = fit.evidence;
-    let weights = evidence.weights(&fit.squares);
-    let shares = effective_shares(&fit.system.residual);
-    let squares = predicted(evidence, model, &fit.system.x).squares();
-    let each = squares.iter().zip(&weights).zip(&shares);
+fn likelihood(fit: &Fit<'_>, model: &Model) -> f64 {
+    let squares = Column::new(&fit.predicted(model), &fit.metric).squares();
+    let each = squares.iter().zip(&fit.system.weights).zip(independent(fit));
     -0.5 * each.map(|((square, weight), share)| square * weight * share).sum::<f64>()
 }
 

@@ -1,9 +1,6 @@
 //! A diagnosis in sentences.
 
-use super::{Cause, Diagnosis, Episode, TorqueShrink, Verdict};
-
-/// Times the share that all joints together lose, from which on a joint is worth a word of its own.
-const HIDDEN: f64 = 2.0;
+use super::{Cause, Diagnosis, Episode, UnexplainedJoint, Verdict};
 
 /// "joint 2", "joints 1, 3" or "the whole arm"; joints count from 1.
 pub fn place(joints: &[usize]) -> String {
@@ -19,58 +16,51 @@ pub fn list(joints: &[usize]) -> String {
     joints.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// What is wrong with the twin, how sure that is, and what adding it brings, in one sentence.
+/// What is wrong with the twin, where, how sure that is, and how far it helps, in one sentence.
 pub fn sentence(d: &Diagnosis) -> String {
-    verdict(d) + &pushes(d)
-}
-
-fn verdict(d: &Diagnosis) -> String {
     let torque = &d.shrink.torque;
-    let shrunk = format!(
-        "the gap shrinks from {:.2} to {:.2} N.m{} on the check recording ({} of its mean square, {} to {})",
+    let shrinks = format!(
+        "With it the gap shrinks from {:.2} to {:.2} N.m on a recording that was not searched ({} of \
+         its mean square, {} to {}).",
         torque.before_nm,
         torque.after_nm,
-        mostly(torque),
         percent(torque.fraction),
         percent(torque.low),
         percent(torque.high),
     );
-    match d.verdict {
+    let first = match d.verdict {
         Verdict::NoGap => format!(
             "No gap: the twin's torque agrees with the recorded one as far as its noise lets one \
              see ({:.2} N.m apart).",
             torque.before_nm
         ),
-        Verdict::Explained => {
-            format!(
-                "The twin lacks {}; with it {shrunk}, and nothing systematic is left.",
-                causes(d)
-            )
-        }
-        Verdict::PartlyExplained => format!(
-            "The twin lacks {}; with it {shrunk}, but something systematic is left{}.",
-            causes(d),
-            remark(&d.leftover.says)
-        ),
+        Verdict::Explained => format!("{} {shrinks} No more than noise stays.", lacks(d)),
+        Verdict::PartlyExplained => format!("{} {shrinks} {}", lacks(d), stays(d)),
         Verdict::Unexplained => format!(
-            "The twin differs by {:.2} N.m{}, and no effect of the catalogue is shown to be the \
-             cause{}.",
+            "The twin differs by {:.2} N.m{}, and nothing of the catalogue explains it better than \
+             a discrepancy of any shape. {}",
             torque.before_nm,
             worst(d),
-            remark(&d.leftover.says)
+            stays(d)
         ),
-    }
+    };
+    first + &pushes(d)
 }
 
-/// Of the joint where most of its own gap is gone, if the noise of the others hides that in the sum.
-fn mostly(torque: &TorqueShrink) -> String {
-    let most = torque.joints.iter().max_by(|a, b| a.fraction.total_cmp(&b.fraction));
-    match most.filter(|j| j.fraction > HIDDEN * torque.fraction.max(0.0)) {
-        Some(j) => {
-            format!(" (from {:.2} to {:.2} at joint {})", j.before_nm, j.after_nm, j.joint)
-        }
-        None => String::new(),
+/// What the causes leave: how much, where, and on what it depends.
+pub fn stays(d: &Diagnosis) -> String {
+    let left = &d.unexplained;
+    if !left.above_noise {
+        return format!("{:.2} N.m stay, no more than noise.", left.rms_nm);
     }
+    let excess = |j: &&UnexplainedJoint| j.rms_nm - j.noise_floor_nm;
+    let most = left.joints.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)));
+    let place = most.map_or(String::new(), |j| {
+        let along = j.depends_on.first();
+        let along = along.map_or(String::new(), |d| format!(", going along with {}", d.variable));
+        format!(", most of it at joint {}{along}", j.joint)
+    });
+    format!("{:.2} N.m stay unexplained{place}.", left.rms_nm)
 }
 
 /// When something pushed at the arm, as far as one force explains what stands out there.
@@ -83,8 +73,12 @@ fn pushes(d: &Diagnosis) -> String {
     }
 }
 
-/// Every effect once, with all its joints and the least of their probabilities.
-fn causes(d: &Diagnosis) -> String {
+/// Causes told at once; more are in the table.
+const TOLD: usize = 3;
+
+/// "The twin lacks payload or link_inertia at joint 6 (2.81 kg; 97 % sure)."; every effect once, with
+/// all its joints and the least of their probabilities.
+fn lacks(d: &Diagnosis) -> String {
     let alike = |a: &Cause, b: &Cause| a.effect == b.effect && a.joints.len() == b.joints.len();
     let is_first = |(i, c): &(usize, &Cause)| !d.causes[..*i].iter().any(|before| alike(before, c));
     let one = |(_, first): (usize, &Cause)| {
@@ -92,15 +86,44 @@ fn causes(d: &Diagnosis) -> String {
         let mut joints: Vec<usize> = all.iter().flat_map(|c| c.joints.iter().copied()).collect();
         joints.sort_unstable();
         let least = all.iter().map(|c| c.probability).fold(1.0, f64::min);
-        let same = all.iter().any(|c| !c.equivalent.is_empty());
-        let also = if same { ", or what looks the same here" } else { "" };
-        format!("{} at {} ({}{also})", first.effect, place(&joints), percent(least))
+        let name = match joints.is_empty() {
+            true => first.effect.clone(),
+            false => format!("{} at {}", first.effect, place(&joints)),
+        };
+        let or = all.iter().flat_map(|c| &c.equivalent).next();
+        let or = or.map_or(String::new(), |e| match e.joints.is_empty() {
+            true => format!(" or {}", e.effect),
+            false => format!(" or {} at {}", e.effect, place(&e.joints)),
+        });
+        let value = if all.len() == 1 { value(first) } else { String::new() };
+        format!("{name}{or} ({value}{} sure)", percent(least))
     };
-    let named: Vec<String> = d.causes.iter().enumerate().filter(is_first).map(one).collect();
-    match named.split_last() {
+    let mut named: Vec<String> = d.causes.iter().enumerate().filter(is_first).map(one).collect();
+    let more = named.len().saturating_sub(TOLD);
+    named.truncate(TOLD);
+    if more > 0 {
+        named.push(format!("{more} more"));
+    }
+    let list = match named.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
         _ => named.concat(),
-    }
+    };
+    format!("The twin lacks {list}.")
+}
+
+/// "payload_mass 2.81 kg, the twin has 0.14; "
+fn value(cause: &Cause) -> String {
+    let Some(first) = cause.parameters.first() else { return String::new() };
+    let unit = if first.unit == "-" { String::new() } else { format!(" {}", first.unit) };
+    let twin = cause.replaces.as_ref();
+    let twin = twin.map_or(String::new(), |r| format!(", the twin has {}", short(r.twin)));
+    format!("{} {}{unit}{twin}; ", first.name, short(first.value))
+}
+
+/// Three digits.
+fn short(x: f64) -> String {
+    let digits = (2 - x.abs().max(1e-12).log10().floor() as i32).clamp(0, 6);
+    format!("{x:.*}", digits as usize)
 }
 
 /// Where most of the gap lies.
@@ -110,11 +133,6 @@ fn worst(d: &Diagnosis) -> String {
         Some(j) => format!(", {} of it on joint {}", percent(j.share), j.joint),
         None => String::new(),
     }
-}
-
-fn remark(text: &str) -> String {
-    let text = text.trim().trim_end_matches('.');
-    if text.is_empty() { String::new() } else { format!(" ({text})") }
 }
 
 /// Header and cells of a table of stretches that stand out.

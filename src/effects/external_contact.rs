@@ -84,6 +84,10 @@ static ABOUT: About = About {
 };
 
 impl Effect for ExternalContact {
+    fn depends_on_load(&self) -> bool {
+        false
+    }
+
     fn about(&self) -> &'static About {
         &ABOUT
     }
@@ -103,6 +107,10 @@ impl Effect for ExternalContact {
             (1, [_, duration, _]) => Some([0.5 * duration, 1.5 * duration]),
             _ => None,
         }
+    }
+
+    fn lasts_a_while(&self) -> bool {
+        true
     }
 
     fn reach(&self, motion: &Motion<'_>, _: usize, nonlinear: &[f64]) -> Vec<JointSeries> {

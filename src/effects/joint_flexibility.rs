@@ -92,6 +92,11 @@ static ABOUT: About = About {
 };
 
 impl Effect for JointFlexibility {
+    /// Too little to search anew for it: the stiffness that is found is refined with the load.
+    fn depends_on_load(&self) -> bool {
+        false
+    }
+
     fn about(&self) -> &'static About {
         &ABOUT
     }

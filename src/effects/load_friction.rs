@@ -10,6 +10,10 @@ use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope
 pub struct LoadFriction;
 
 impl Effect for LoadFriction {
+    fn depends_on_load(&self) -> bool {
+        true
+    }
+
     fn about(&self) -> &'static About {
         &About {
             name: "load_friction",

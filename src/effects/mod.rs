@@ -250,6 +250,16 @@ pub trait Effect: Sync {
         false
     }
 
+    /// Explain: do the columns change with what the arm carries?
+    fn depends_on_load(&self) -> bool {
+        self.about().scope != Scope::Joint
+    }
+
+    /// Explain: does it act for a while, which may be in one recording alone?
+    fn lasts_a_while(&self) -> bool {
+        false
+    }
+
     /// Explain: how much of the first parameter, in its unit, the drive is known to have at `joint`
     /// (from 0); a cause is a change of it, and may take it away.
     fn in_drive(&self, _drive: &Drive, _joint: usize) -> f64 {

@@ -42,6 +42,10 @@ static ABOUT: About = About {
 };
 
 impl Effect for Payload {
+    fn depends_on_load(&self) -> bool {
+        false
+    }
+
     fn about(&self) -> &'static About {
         &ABOUT
     }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::assemble::ArmProblem;
-use super::bounds::Bounds;
+use crate::regression::bounds::Bounds;
 use super::error::IdentificationError;
 use super::posterior::{self, Sampled};
 use super::problem::JointProblem;

@@ -419,7 +419,7 @@ impl ArmProblem {
     /// Replaces bounds by name, in every joint.
     fn set_bounds(&mut self, by_name: &BoundsByName) -> Result<(), IdentificationError> {
         for (name, &[lower, upper]) in by_name {
-            super::bounds::check(name, lower, upper)?;
+            crate::regression::bounds::check(name, lower, upper)?;
             let mut found = false;
             let all = self.joints.iter_mut().flat_map(JointProblem::parameters_mut);
             for p in all.chain(&mut self.shared).filter(|p| p.name == *name) {

@@ -12,7 +12,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::bounds::Bounds;
+use crate::regression::bounds::Bounds;
 use super::quadratic::QuadraticCost;
 
 pub struct Coordinates<'a> {

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::bounds::BoundsError;
+use crate::regression::bounds::BoundsError;
 use crate::signals::SignalError;
 use crate::statistics::StatisticsError;
 

@@ -8,8 +8,8 @@
 
 use nalgebra::{DMatrix, DVector, SVD};
 
-use super::bounds::Bounds;
-use super::qr::Qr;
+use crate::regression::bounds::Bounds;
+use crate::regression::qr::Qr;
 use crate::kernels::dot;
 
 /// What is minimised.

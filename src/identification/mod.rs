@@ -3,9 +3,6 @@
 pub mod adaptive_metropolis;
 mod arm;
 mod assemble;
-pub mod bounded;
-pub mod bounds;
-pub mod brent;
 pub mod chebyshev;
 mod coordinates;
 mod error;
@@ -16,7 +13,6 @@ mod located;
 mod posterior;
 pub mod problem;
 pub mod pso;
-pub mod qr;
 pub mod quadratic;
 mod reduce;
 mod regressors;

@@ -21,7 +21,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::adaptive_metropolis::{self as metropolis, Chain};
 use super::arm::Prepared;
-use super::bounds::Bounds;
+use crate::regression::bounds::Bounds;
 use super::coordinates::Coordinates;
 use super::error::IdentificationError;
 use super::problem::{Column, Curve, JointProblem};

@@ -13,7 +13,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::Goodness;
-use super::bounds::{Bounds, BoundsError};
+use crate::regression::bounds::{Bounds, BoundsError};
 use super::levenberg_marquardt::Residuals;
 use crate::kernels::{axpy, dot, stribeck};
 use crate::statistics;
@@ -150,7 +150,7 @@ impl JointProblem {
     pub fn bounds(&self) -> Result<Bounds, BoundsError> {
         let all = self.parameters();
         for p in &all {
-            super::bounds::check(&p.name, p.lower, p.upper)?;
+            crate::regression::bounds::check(&p.name, p.lower, p.upper)?;
         }
         Bounds::new(all.iter().map(|p| p.lower).collect(), all.iter().map(|p| p.upper).collect())
     }

@@ -15,10 +15,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::bounds::Bounds;
+use crate::regression::bounds::Bounds;
 use super::chebyshev;
 use super::problem::{Curve, JointProblem};
-use super::qr::{Qr, back_substitute, project_out};
+use crate::regression::qr::{Qr, back_substitute, project_out};
 use super::tables::Tables;
 use crate::kernels::{axpy, dot, dots, dots_of_rest};
 
@@ -175,7 +175,7 @@ impl QuadraticCost {
         let n = a.ncols();
         let part = |at: fn(&Bounds, usize) -> f64| (0..n).map(|i| at(&self.bounds, i)).collect();
         match Bounds::new(part(Bounds::lower), part(Bounds::upper)) {
-            Ok(bounds) => super::bounded::solve(a, y, &bounds).as_slice().to_vec(),
+            Ok(bounds) => crate::regression::bounded::solve(a, y, &bounds).as_slice().to_vec(),
             Err(_) => unreachable!("part of bounds that were checked when made"),
         }
     }

@@ -6,8 +6,8 @@
 //! its whole range, every local minimum refined. That reaches the global optimum; a descent from
 //! one guess, as the paper's NLSE, need not.
 
-use super::bounds::Bounds;
-use super::brent;
+use crate::regression::bounds::Bounds;
+use crate::regression::brent;
 use super::levenberg_marquardt as lm;
 use super::problem::JointProblem;
 use super::quadratic::QuadraticCost;

@@ -10,12 +10,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::arm::Prepared;
 use super::assemble::ArmProblem;
-use super::bounds::Bounds;
+use crate::regression::bounds::Bounds;
 use super::error::IdentificationError;
 use super::judge::{self, WithExcess};
 use super::problem::{JointProblem, Parameter};
-use super::qr::{Qr, project_out};
-use super::{Found, ParameterEstimate, bounded, separable};
+use crate::regression::qr::{Qr, project_out};
+use super::{Found, ParameterEstimate, separable};
+use crate::regression::bounded;
 use crate::kernels::axpy;
 
 /// Rounds of fitting joints and shared parameters in turn.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::bounds::Bounds;
+use crate::regression::bounds::Bounds;
 use super::problem::{Column, Curve, JointProblem, Parameter};
 use crate::kernels::{axpy, stribeck};
 

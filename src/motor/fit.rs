@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::model::{COUNT, index};
 use super::output_error::OutputError;
-use crate::identification::bounds::Bounds;
+use crate::regression::bounds::Bounds;
 use crate::identification::levenberg_marquardt::{self as lm, Residuals};
 use crate::identification::pso;
 

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::model::{COUNT, NAMES, index};
 use super::output_error::OutputError;
-use crate::identification::bounds::Bounds;
+use crate::regression::bounds::Bounds;
 use crate::identification::levenberg_marquardt::Residuals;
 use crate::statistics::{
     Design, LongRun, PValue, StatisticsError, cosine_covariance, normal_two_sided,

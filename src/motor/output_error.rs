@@ -13,7 +13,7 @@ use super::scenario::{Channel, Scenario};
 use super::sensitivity::{Sensitivities, simulate_with_sensitivities};
 use super::simulate::{Accuracy, simulate_each, simulate_into};
 use super::squares::Squares;
-use crate::identification::bounds::Bounds;
+use crate::regression::bounds::Bounds;
 use crate::identification::levenberg_marquardt::Residuals;
 use crate::statistics::noise_from_differences;
 

@@ -2,7 +2,9 @@
 //! cells under it.
 
 use super::to_uncertainty;
-use crate::diagnosis::{Diagnosis, JointGap, Named, Ranked, SimulationShrink, Value, words};
+use crate::diagnosis::{
+    Diagnosis, JointGap, Named, Ranked, SimulationShrink, UnexplainedJoint, Value, words,
+};
 
 /// Candidates that are shown at once, besides "none" and "unknown".
 const RANKED: usize = 8;
@@ -35,14 +37,31 @@ pub fn named(n: &Named) -> String {
     format!("{} at {}", n.effect, words::place(&n.joints))
 }
 
-pub const CANDIDATES: [&str; 5] = ["effect", "at", "probability", "gain fit", "check"];
+pub const CANDIDATES: [&str; 4] = ["effect", "at", "probability", "nats"];
 
 pub fn candidate(r: &Ranked) -> Vec<String> {
     let special = is_special(r);
     let place = if special { String::new() } else { words::place(&r.joints) };
     let gain = |x: f64| if special { "-".into() } else { format!("{x:.1}") };
     let probability = words::percent(r.probability);
-    vec![r.effect.clone(), place, probability, gain(r.gain_fit), gain(r.gain_check)]
+    vec![r.effect.clone(), place, probability, gain(r.nats)]
+}
+
+pub const UNEXPLAINED: [&str; 5] =
+    ["joint", "stays N.m", "noise floor", "discrepancy", "goes along with"];
+
+/// What the causes leave at a joint.
+pub fn unexplained(j: &UnexplainedJoint) -> Vec<String> {
+    let along = j.depends_on.iter();
+    let along: Vec<String> =
+        along.map(|d| format!("{} ({})", d.variable, words::percent(d.share))).collect();
+    vec![
+        j.joint.to_string(),
+        nm(j.rms_nm),
+        nm(j.noise_floor_nm),
+        nm(j.discrepancy_nm),
+        along.join(", "),
+    ]
 }
 
 /// Those to show first, "none" and "unknown" among them, the likeliest first; and the others.

@@ -53,7 +53,7 @@ fn on_a_terminal(folder: &Path, no_color: &str) -> Option<String> {
     let twin = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/twins/ur5.toml");
     let fit = folder.join("fit.csv");
     let command = format!(
-        "{program} diagnose --fit {} --twin {twin} --out {} --surrogates 0",
+        "{program} diagnose --fit {} --twin {twin} --out {}",
         fit.display(),
         folder.join("out").display()
     );

@@ -62,12 +62,9 @@ pub struct Args {
     /// Effects to take out of the catalogue
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     without: Vec<String>,
-    /// Of surrogates and bootstraps
+    /// Of features and bootstraps
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Searches repeated on surrogates [default: as diagnosis.json says under settings]
-    #[arg(long, value_name = "N")]
-    surrogates: Option<usize>,
     /// How well the twin's link masses are known, relative; 0: exactly [default: 0.05]
     #[arg(long, value_name = "SHARE")]
     mass_error: Option<f64>,
@@ -184,9 +181,9 @@ impl Args {
         Ok(Settings {
             without: self.without.clone(),
             seed: self.seed,
-            surrogates: self.surrogates.unwrap_or(usual.surrogates),
             mass_error: self.mass_error.unwrap_or(usual.mass_error),
             centre_error_m: self.centre_error.unwrap_or(usual.centre_error_m),
+            criteria: usual.criteria,
         })
     }
 

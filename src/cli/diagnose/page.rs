@@ -17,7 +17,7 @@ pub fn findings(d: &Diagnosis) -> String {
     text += &ranking(&d.ranking);
     text += &shrink(d);
     text += &causes::set_aside(d);
-    text += &leftover(d);
+    text += &unexplained(d);
     text += &episodes(d);
     text + &next(d)
 }
@@ -35,7 +35,7 @@ fn ranking(ranking: &[Ranked]) -> String {
         more => format!("\n{more} more in diagnosis.json"),
     };
     let legend =
-        "\ngain: in log-likelihood over the twin, on the recording searched and on the other";
+        "\nnats: evidence beside what else is there, a discrepancy of any shape included";
     titled("Which effect: candidates", &format!("{rows}{rest}{legend}"))
 }
 
@@ -49,18 +49,9 @@ fn shrink(d: &Diagnosis) -> String {
     titled("How far the gap shrinks", &body)
 }
 
-fn leftover(d: &Diagnosis) -> String {
-    let chi2: Vec<String> = d.leftover.chi2_per_sample.iter().map(|x| format!("{x:.2}")).collect();
-    if chi2.is_empty() {
-        return String::new();
-    }
-    let mut body =
-        format!("mean square over that of the noise, joint by joint: {}\n", chi2.join(" "));
-    if !d.leftover.says.is_empty() {
-        body += &paragraph("", &d.leftover.says);
-    }
-    let systematic = if d.leftover.systematic { "something systematic" } else { "noise" };
-    titled(&format!("What is left: {systematic}"), &body)
+fn unexplained(d: &Diagnosis) -> String {
+    let rows = table(&rows::UNEXPLAINED, 4, d.unexplained.joints.iter().map(rows::unexplained));
+    titled("What stays", &format!("{}{rows}", paragraph("", &words::stays(d))))
 }
 
 fn episodes(d: &Diagnosis) -> String {
@@ -103,9 +94,8 @@ pub fn facts(done: &Diagnosed) -> Vec<Fact> {
     facts.push((
         "settings".into(),
         format!(
-            "{} surrogates, link masses known to {:.0} %, centres to {:.0} mm, taken out of the \
-             catalogue: {without}",
-            s.surrogates,
+            "link masses known to {:.0} %, centres to {:.0} mm, taken out of the catalogue: \
+             {without}",
             100.0 * s.mass_error,
             1e3 * s.centre_error_m
         ),

@@ -103,7 +103,7 @@ fn bound(text: &str) -> Result<(String, [f64; 2]), String> {
     };
     let (name, [low, high]) =
         parse().ok_or("give NAME=MIN:MAX, for example stribeck_velocity=0.01:0.2")?;
-    identification::bounds::check(&name, low, high).map_err(|e| e.to_string())?;
+    crate::regression::bounds::check(&name, low, high).map_err(|e| e.to_string())?;
     Ok((name, [low, high]))
 }
 

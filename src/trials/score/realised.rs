@@ -42,6 +42,9 @@ fn hidden(hidden: &Hidden) -> Option<Cause> {
         equivalent: Vec::new(),
         parameters: hidden.parameters.iter().filter_map(value).collect(),
         shrink: Checked::default(),
+        replaces: None,
+        recording: None,
+        found_without_check: true,
         cause: String::new(),
         remedy: String::new(),
     })

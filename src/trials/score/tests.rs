@@ -4,7 +4,7 @@ use super::judged::judge;
 use super::rows::{brier, coverage, goals, level, of_oracle};
 use super::{Judged, Share};
 use crate::diagnosis::{
-    Cause, Checked, Diagnosis, Gap, Leftover, Named, Ranked, Settings, Shrink, Value, Verdict,
+    Cause, Checked, Criteria, Diagnosis, Gap, Named, Ranked, Settings, Shrink, Unexplained, Value, Verdict,
 };
 use crate::signals::Conditioning;
 use crate::trials::{Answer, BaselineAnswer, Hidden, Kind, Method, Strength, TrueValue, Truth};
@@ -51,6 +51,9 @@ fn cause(name: &Named, equivalent: &[Named]) -> Cause {
             at_bound: false,
         }],
         shrink: Checked::default(),
+        replaces: None,
+        recording: None,
+        found_without_check: true,
         cause: String::new(),
         remedy: String::new(),
     }
@@ -61,8 +64,7 @@ fn answer(verdict: Verdict, causes: Vec<Cause>, ranking: &[(&str, &[usize], f64)
         effect: (*effect).into(),
         joints: joints.to_vec(),
         probability: *probability,
-        gain_fit: 0.0,
-        gain_check: 0.0,
+        nats: 0.0,
     };
     let diagnosis = Diagnosis {
         schema: String::new(),
@@ -74,7 +76,8 @@ fn answer(verdict: Verdict, causes: Vec<Cause>, ranking: &[(&str, &[usize], f64)
         ranking: ranking.iter().map(ranked).collect(),
         untestable: vec![],
         rejected: vec![],
-        leftover: Leftover::default(),
+        unexplained: Unexplained::default(),
+        criteria: Criteria::default(),
         next_experiment: String::new(),
         fitted: Default::default(),
         fitted_before: Default::default(),

@@ -9,8 +9,9 @@ use maud::{Markup, html};
 use super::chart::{Chart, Row};
 use super::frame::{Fact, Page, Section, facts};
 use super::plot::{AFTER, BEFORE};
-use super::table::explained;
+use super::table::{explained, table};
 use crate::diagnosis::{Diagnosis, JointGap, Traces, by_reason, words};
+use crate::report::diagnosis as rows;
 
 pub struct DiagnosisReport<'a> {
     pub diagnosis: &'a Diagnosis,
@@ -91,29 +92,14 @@ fn reasons(rows: Vec<[String; 2]>) -> Markup {
 }
 
 fn left_title(d: &Diagnosis) -> String {
-    let what = if d.leftover.systematic { "something systematic" } else { "noise" };
-    format!("What is left: {what}")
+    let what = if d.unexplained.above_noise { "more than noise" } else { "noise" };
+    format!("What stays: {what}")
 }
 
 fn left(d: &Diagnosis) -> Markup {
-    let list = |values: &[f64]| -> String {
-        values.iter().map(|x| format!("{x:.2}")).collect::<Vec<_>>().join(", ")
-    };
-    if d.leftover.chi2_per_sample.is_empty() {
-        return html! {};
-    }
     html! {
-        @if !d.leftover.says.is_empty() { p { (found::sentence(&d.leftover.says)) } }
-        p {
-            "Mean square over that of the noise, joint by joint (1 for noise): "
-            (list(&d.leftover.chi2_per_sample)) "."
-        }
-        @if !d.leftover.in_motion_band.is_empty() {
-            p {
-                "Power where the arm moves over that where nothing moves (1 for noise): "
-                (list(&d.leftover.in_motion_band)) "."
-            }
-        }
+        p { (words::stays(d)) }
+        (table(&rows::UNEXPLAINED, 4, d.unexplained.joints.iter().map(rows::unexplained)))
     }
 }
 

@@ -43,8 +43,3 @@ impl Blocks {
         self.0.iter().map(|rows| kernels::dot(rows, rows)).collect()
     }
 }
-
-/// Products weighted joint by joint.
-pub fn weighted_dot(a: &Blocks, b: &Blocks, weights: &[f64]) -> f64 {
-    weights.iter().enumerate().map(|(j, w)| w * a.dot(b, j)).sum()
-}

@@ -1,7 +1,10 @@
-//! A recording as evidence: the recorded torque, where it counts, and how noisy it is.
+//! A recording as it is searched: the recorded torque, where it counts, and how noisy it is.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex};
 
 use super::DiagnosisError;
-use super::columns::Blocks;
+use crate::regression::Blocks;
 use super::floor::Floor;
 use crate::effects::{Motion, Rigid};
 use crate::robot::Robot;
@@ -13,7 +16,9 @@ use crate::twin::Twin;
 /// of 8 Hz leaves.
 pub const FEWEST_ROWS: usize = 40;
 
-pub struct Evidence<'a> {
+pub struct Observed<'a> {
+    /// Which of the recordings: 0 is the one to fit, 1 the one to check.
+    pub index: usize,
     pub twin: &'a Twin,
     pub samples: &'a Samples,
     /// Samples used, joint by joint: sliding, usable, decimated; none where there are too few.
@@ -24,16 +29,19 @@ pub struct Evidence<'a> {
     pub torque: Blocks,
     /// What the twin knows, over all samples, before sensors, N.m.
     pub known: JointSeries,
+    /// Columns that a search comes back to.
+    kept: Mutex<HashMap<String, Arc<Vec<Blocks>>>>,
     filter: Option<Decimator>,
     /// The twin's robot with what it is known to carry, and its torque.
     laden: Robot,
     rigid: Rigid,
 }
 
-impl<'a> Evidence<'a> {
+impl<'a> Observed<'a> {
     /// # Errors
     /// If no joint slides long enough.
     pub fn new(
+        index: usize,
         twin: &'a Twin,
         samples: &'a Samples,
         floor: &[Floor],
@@ -55,10 +63,12 @@ impl<'a> Evidence<'a> {
         let known = twin.torque(&twin.motion(samples));
         let torque = Blocks::default();
         let (laden, rigid) = (twin.laden(), Rigid::new(samples.joints()));
-        let mut evidence = Self { twin, samples, rows, sigma, torque, known, filter, laden, rigid };
-        let torque = |j| evidence.block(j, samples.torque.joint(j));
-        evidence.torque = Blocks((0..samples.joints()).map(torque).collect());
-        Ok(evidence)
+        let kept = Mutex::default();
+        let mut observed =
+            Self { index, twin, samples, rows, sigma, torque, known, kept, filter, laden, rigid };
+        let torque = |j| observed.block(j, samples.torque.joint(j));
+        observed.torque = Blocks((0..samples.joints()).map(torque).collect());
+        Ok(observed)
     }
 
     pub fn joints(&self) -> usize {
@@ -73,6 +83,18 @@ impl<'a> Evidence<'a> {
     /// What is kept of the rigid arm's torque along this motion, if `robot` is the one it is of.
     pub fn rigid(&self, robot: &Robot) -> Option<&Rigid> {
         (*robot == self.laden).then_some(&self.rigid)
+    }
+
+    /// Columns by all that they depend on, worked out once.
+    pub fn kept(&self, key: &str, work_out: impl FnOnce() -> Vec<Blocks>) -> Arc<Vec<Blocks>> {
+        if let Some(columns) = self.kept.lock().ok().and_then(|kept| kept.get(key).cloned()) {
+            return columns;
+        }
+        let columns = Arc::new(work_out());
+        if let Ok(mut kept) = self.kept.lock() {
+            kept.insert(key.into(), columns.clone());
+        }
+        columns
     }
 
     /// A series over all samples of a joint -> its rows, filtered as the torque is.
@@ -105,14 +127,5 @@ impl<'a> Evidence<'a> {
             mask
         };
         self.rows.iter().map(mask).collect()
-    }
-
-    /// 1/sigma^2 of the noise or of what a residual shows, whichever is larger, joint by joint.
-    pub fn weights(&self, squares: &[f64]) -> Vec<f64> {
-        let level = |(j, s): (usize, &f64)| {
-            let mean_square = s / self.rows[j].len().max(1) as f64;
-            1.0 / mean_square.max(self.sigma[j].powi(2)).max(f64::MIN_POSITIVE)
-        };
-        squares.iter().enumerate().map(level).collect()
     }
 }

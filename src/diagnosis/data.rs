@@ -1,0 +1,167 @@
+//! The recordings of an arm that are searched together: columns over the rows of all of them, and
+//! the discrepancy beside them.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex};
+
+use rayon::prelude::*;
+
+use super::Settings;
+use super::discrepancy::{Discrepancy, GROUPS};
+use super::observed::Observed;
+use crate::regression::random_effects::{Features, Metric, ln_likelihood};
+use crate::regression::{Blocks, Raw};
+use crate::twin::Twin;
+
+/// Share of the sensors' noise floor that no model is believed to fall short of: the floor is an
+/// estimate.
+const BELOW_FLOOR: f64 = 0.7;
+
+pub struct Data<'a> {
+    pub twin: &'a Twin,
+    pub parts: Vec<&'a Observed<'a>>,
+    /// Of the discrepancy, joint by joint.
+    pub features: Vec<Features>,
+    /// Torque that is large for a joint, N.m: rated, or else the largest recorded.
+    pub rated: Vec<f64>,
+    /// Of the rows of a joint, the share that is independent of the others: each counts by its root.
+    pub shares: Vec<f64>,
+    /// Columns that a search comes back to.
+    kept: Mutex<HashMap<String, Arc<Vec<Raw>>>>,
+}
+
+impl<'a> Data<'a> {
+    /// With a discrepancy.
+    pub fn new(parts: Vec<&'a Observed<'a>>, settings: &Settings) -> Self {
+        let mut data = Self::plain(parts);
+        let discrepancy = Discrepancy::new(&data.parts, settings);
+        let rows = |j: usize| {
+            let parts = &data.parts;
+            discrepancy.features(j, move |p, series| parts[p].block(j, series))
+        };
+        data.features = (0..data.joints()).into_par_iter().map(rows).collect();
+        data
+    }
+
+    /// Without.
+    pub fn plain(parts: Vec<&'a Observed<'a>>) -> Self {
+        let twin = parts[0].twin;
+        let none = || Features::new(Vec::new(), Vec::new(), GROUPS.len());
+        let features = (0..parts[0].joints()).map(|_| none()).collect();
+        let rated = (0..parts[0].joints()).map(|j| rated(&parts, j)).collect();
+        let shares = vec![1.0; parts[0].joints()];
+        Self { twin, parts, features, rated, shares, kept: Mutex::default() }
+    }
+
+    pub fn joints(&self) -> usize {
+        self.features.len()
+    }
+
+    /// Rows of a joint, over all recordings.
+    pub fn rows(&self, j: usize) -> usize {
+        self.parts.iter().map(|p| p.rows[j].len()).sum()
+    }
+
+    /// The same as they count.
+    pub fn count(&self, j: usize) -> f64 {
+        self.shares[j] * self.rows(j) as f64
+    }
+
+    /// Smallest variance of what a model leaves of a joint, (N.m)^2.
+    pub fn least(&self, j: usize) -> f64 {
+        let noise = self.parts.iter().map(|p| p.sigma[j]).fold(f64::INFINITY, f64::min);
+        (BELOW_FLOOR * noise).powi(2)
+    }
+
+    /// Blocks of every recording, one after the other -> one column.
+    pub fn raw(&self, parts: Vec<Blocks>) -> Raw {
+        let joint = |j: usize| -> Vec<f64> {
+            if parts.iter().all(|p| !p.touches(j)) {
+                return Vec::new();
+            }
+            let mut rows = Vec::with_capacity(self.rows(j));
+            for (block, part) in parts.iter().zip(&self.parts) {
+                match block.touches(j) {
+                    true => rows.extend_from_slice(block.joint(j)),
+                    false => rows.resize(rows.len() + part.rows[j].len(), 0.0),
+                }
+            }
+            let root = self.shares[j].sqrt();
+            if root != 1.0 {
+                rows.iter_mut().for_each(|r| *r *= root);
+            }
+            rows
+        };
+        let rows = Blocks((0..self.joints()).map(joint).collect());
+        let products = |j: usize| match rows.touches(j) {
+            true => self.features[j].products(rows.joint(j)),
+            false => Vec::new(),
+        };
+        let features = (0..self.joints()).map(products).collect();
+        Raw { features: Arc::new(features), rows: Arc::new(rows) }
+    }
+
+    /// The same recordings, each row of a joint counted by the share of them that is independent: what
+    /// a model leaves goes along with itself for a while, and so many rows say no more than fewer.
+    pub fn counted(self, shares: Vec<f64>) -> Self {
+        let scaled = |(f, s): (Features, &f64)| f.scaled(s.sqrt());
+        let features = self.features.into_iter().zip(&shares).map(scaled).collect();
+        Self { features, shares, kept: Mutex::default(), ..self }
+    }
+
+    /// Columns by all that they depend on, worked out once; `work_out` makes those of a recording.
+    pub fn kept(&self, key: &str, work_out: impl Fn(usize) -> Vec<Blocks>) -> Arc<Vec<Raw>> {
+        if let Some(columns) = self.kept.lock().ok().and_then(|kept| kept.get(key).cloned()) {
+            return columns;
+        }
+        let parts = self.parts.iter().enumerate();
+        let parts: Vec<_> = parts.map(|(p, o)| o.kept(key, || work_out(p))).collect();
+        let count = parts.first().map_or(0, |p| p.len());
+        let column = |i: usize| self.raw(parts.iter().map(|p| p[i].clone()).collect());
+        let columns: Arc<Vec<Raw>> = Arc::new((0..count).map(column).collect());
+        if let Ok(mut kept) = self.kept.lock() {
+            kept.insert(key.into(), columns.clone());
+        }
+        columns
+    }
+
+    /// No discrepancy anywhere.
+    pub fn nothing(&self) -> Vec<Vec<u8>> {
+        vec![vec![0; GROUPS.len()]; self.joints()]
+    }
+
+    pub fn metric(&self, steps: &[Vec<u8>]) -> Metric {
+        let joint = |(f, s): (&Features, &Vec<u8>)| f.metric(s);
+        Metric { joints: self.features.iter().zip(steps).map(joint).collect() }
+    }
+
+    /// Log-likelihood of a joint's rows that leave `squares` in a metric, the discrepancy integrated
+    /// out, nats.
+    pub fn ln_likelihood(&self, j: usize, squares: f64, metric: &Metric) -> f64 {
+        match self.count(j) {
+            0.0 => 0.0,
+            count => ln_likelihood(squares, count, self.least(j)) - 0.5 * metric.joints[j].ln_det,
+        }
+    }
+
+    /// 1/s^2 of what a residual shows, joint by joint, within what the noise is known to be.
+    pub fn weights(&self, squares: &[f64]) -> Vec<f64> {
+        let level = |(j, s): (usize, &f64)| {
+            let mean_square = s / self.count(j).max(f64::MIN_POSITIVE);
+            1.0 / mean_square.max(self.least(j)).max(f64::MIN_POSITIVE)
+        };
+        squares.iter().enumerate().map(level).collect()
+    }
+}
+
+fn rated(parts: &[&Observed], j: usize) -> f64 {
+    let twin = parts[0].twin;
+    let effort = twin.robot.bodies[j].joint.limits.effort;
+    let limit = twin.drive.torque_limit.as_ref().map_or(f64::INFINITY, |l| l[j]);
+    let rated = effort.min(limit);
+    if rated.is_finite() && rated > 0.0 {
+        return rated;
+    }
+    let recorded = parts.iter().flat_map(|p| p.samples.torque.joint(j));
+    recorded.fold(0.0f64, |most, t| most.max(t.abs())).max(f64::MIN_POSITIVE)
+}

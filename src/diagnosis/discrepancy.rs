@@ -1,0 +1,193 @@
+//! The model discrepancy: what a twin of this kind may leave out, whatever the law.
+//!
+//! Per joint a smooth function of the motion of any shape, masses as far as they are known, and what
+//! changes slowly in time, each of a size that the data decide (Kennedy and O'Hagan, "Bayesian
+//! calibration of computer models", J. R. Stat. Soc. B 63, 2001): on an exact twin it goes to
+//! nothing, on a real arm it is what is always left. A cause has to earn its place beside it, which
+//! a law does where one number holds for many poses, or where it jumps.
+
+use std::f64::consts::TAU;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::Settings;
+use super::observed::Observed;
+use crate::regression::random_effects::Features;
+use crate::robot::body_regressor_series;
+
+/// Groups, each with a size of its own.
+pub const GROUPS: [&str; 3] = ["posture", "masses", "time"];
+
+/// Features of a smooth function of all angles and speeds (Rahimi and Recht, "Random features for
+/// large-scale kernel machines", NIPS 2007), and the standard deviations over which it bends.
+const POSTURE_FEATURES: usize = 100;
+const POSTURE_LENGTH: f64 = 2.5;
+/// Slower than this is not told from the motion, which repeats within seconds, Hz.
+const SLOW_HZ: f64 = 0.05;
+
+type Series = Vec<f64>;
+
+/// Location and scale of every joint's motion over all recordings.
+struct Scales {
+    q: Vec<[f64; 2]>,
+    qd: Vec<f64>,
+}
+
+/// Everything the features are made from.
+pub struct Discrepancy<'a> {
+    parts: &'a [&'a Observed<'a>],
+    scales: Scales,
+    waves: Vec<(Vec<f64>, f64)>,
+    settings: &'a Settings,
+}
+
+impl<'a> Discrepancy<'a> {
+    pub fn new(parts: &'a [&'a Observed<'a>], settings: &'a Settings) -> Self {
+        let joints = parts[0].joints();
+        let over = |pick: &dyn Fn(&Observed, usize) -> Vec<f64>, j: usize| -> Vec<f64> {
+            parts.iter().flat_map(|p| pick(p, j)).collect()
+        };
+        let used = |p: &Observed, series: &crate::series::JointSeries, j: usize| -> Vec<f64> {
+            let all = series.joint(j);
+            p.samples.usable.iter().zip(all).filter(|(u, _)| **u).map(|(_, x)| *x).collect()
+        };
+        let q = |j| spread(&over(&|p, j| used(p, &p.samples.q, j), j));
+        let qd = |j| spread(&over(&|p, j| used(p, &p.samples.qd, j), j))[1];
+        let each = 0..joints;
+        let scales = Scales {
+            q: each.clone().map(q).collect(),
+            qd: each.map(qd).collect(),
+        };
+        let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
+        let mut wave = || {
+            let direction: Vec<f64> = (0..2 * joints)
+                .map(|_| {
+                    let x: f64 = StandardNormal.sample(&mut rng);
+                    x / POSTURE_LENGTH
+                })
+                .collect();
+            (direction, rng.random::<f64>() * TAU)
+        };
+        let waves = (0..POSTURE_FEATURES).map(|_| wave()).collect();
+        Self { parts, scales, waves, settings }
+    }
+
+    /// The features of a joint over the rows of all recordings; `rows` makes rows of a series over
+    /// the samples of recording number p.
+    pub fn features(&self, joint: usize, rows: impl Fn(usize, &[f64]) -> Vec<f64>) -> Features {
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        let mut group = Vec::new();
+        for (g, name) in GROUPS.iter().enumerate() {
+            let parts: Vec<Vec<Series>> =
+                (0..self.parts.len()).map(|p| self.series(name, p, joint)).collect();
+            let count = parts.iter().map(Vec::len).max().unwrap_or(0);
+            let of = |i: usize| -> Vec<f64> {
+                let row = |p: usize| rows(p, &parts[p][i]);
+                (0..self.parts.len()).flat_map(row).collect()
+            };
+            let mut made: Vec<Vec<f64>> = (0..count).map(of).collect();
+            normalise(&mut made, *name == "masses");
+            made.retain(|c| c.iter().any(|v| *v != 0.0));
+            group.extend(vec![g; made.len()]);
+            columns.append(&mut made);
+        }
+        Features::new(columns, group, GROUPS.len())
+    }
+
+    fn series(&self, group: &str, part: usize, joint: usize) -> Vec<Series> {
+        match group {
+            "posture" => self.posture(part),
+            "masses" => self.masses(part, joint),
+            _ => self.time(part),
+        }
+    }
+
+    /// Anything smooth in all angles and speeds.
+    fn posture(&self, part: usize) -> Vec<Series> {
+        let samples = self.parts[part].samples;
+        let joints = samples.joints();
+        let mut scaled = vec![Vec::with_capacity(samples.len()); 2 * joints];
+        for j in 0..joints {
+            let [centre, scale] = self.scales.q[j];
+            scaled[j] = samples.q.joint(j).iter().map(|q| (q - centre) / scale.max(1e-6)).collect();
+            let scale = self.scales.qd[j].max(1e-6);
+            scaled[joints + j] = samples.qd.joint(j).iter().map(|v| v / scale).collect();
+        }
+        let wave = |(direction, phase): &(Vec<f64>, f64)| {
+            let mut sum = vec![*phase; samples.len()];
+            for (x, w) in scaled.iter().zip(direction) {
+                crate::kernels::axpy(*w, x, &mut sum);
+            }
+            sum.iter_mut().for_each(|s| *s = s.cos());
+            sum
+        };
+        self.waves.iter().map(wave).collect()
+    }
+
+    /// Masses and centres of the links as far as they are known beforehand, at this joint alone.
+    fn masses(&self, part: usize, joint: usize) -> Vec<Series> {
+        let Observed { samples, twin, .. } = self.parts[part];
+        let Settings { mass_error, centre_error_m, .. } = *self.settings;
+        if mass_error <= 0.0 {
+            return Vec::new();
+        }
+        let robot = &twin.robot;
+        let mut all = Vec::new();
+        for (link, body) in robot.bodies.iter().enumerate().skip(joint) {
+            let columns = body_regressor_series(robot, &samples.q, &samples.qd, &samples.qdd, link);
+            let mass = mass_error * body.inertia.mass;
+            let moment = centre_error_m * body.inertia.mass + mass * body.inertia.com.norm();
+            for (column, sd) in columns.iter().zip([mass, moment, moment, moment]) {
+                all.push(column.joint(joint).iter().map(|c| sd * c).collect());
+            }
+        }
+        all
+    }
+
+    /// What changes slowly while it is recorded, in each recording by itself.
+    fn time(&self, part: usize) -> Vec<Series> {
+        let mut all = Vec::new();
+        for (p, of) in self.parts.iter().enumerate() {
+            let n = of.samples.len();
+            let most = (2.0 * SLOW_HZ * n as f64 * of.samples.dt).ceil() as usize;
+            for order in 1..=most.max(1) {
+                let here = self.parts[part].samples.len();
+                let wave = |k: usize| {
+                    (std::f64::consts::PI * order as f64 * (k as f64 + 0.5) / n as f64).cos()
+                };
+                all.push(if p == part { (0..here).map(wave).collect() } else { vec![0.0; here] });
+            }
+        }
+        all
+    }
+}
+
+/// Mean and standard deviation.
+fn spread(x: &[f64]) -> [f64; 2] {
+    let n = x.len().max(1) as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    let variance = x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n;
+    [mean, variance.sqrt()]
+}
+
+/// Columns without their means, so that a constant is no part of them, and such that a group of
+/// size 1 has variance 1 over the rows: every column alike, or `together` as they come.
+fn normalise(columns: &mut [Vec<f64>], together: bool) {
+    let count = columns.len().max(1) as f64;
+    let mut sum = 0.0;
+    for column in columns.iter_mut() {
+        let [mean, sd] = spread(column);
+        let scale = match together {
+            true => 1.0,
+            false if sd > 1e-9 * mean.abs() && sd > 0.0 => 1.0 / (sd * count.sqrt()),
+            false => 0.0,
+        };
+        column.iter_mut().for_each(|v| *v = scale * (*v - mean));
+        sum += (scale * sd).powi(2);
+    }
+    if together && sum > 0.0 {
+        columns.iter_mut().flatten().for_each(|v| *v /= sum.sqrt());
+    }
+}

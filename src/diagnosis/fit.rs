@@ -1,0 +1,489 @@
+//! The twin with causes added, fitted to recordings or held against another.
+
+use std::sync::Arc;
+
+use nalgebra::DVector;
+
+use super::candidate::{Candidate, Term, acts_on, sense, shown};
+use super::data::Data;
+use super::model::Model;
+use super::observed::Observed;
+use crate::effects::{Motion, Rigid, Role, Scope};
+use crate::regression::random_effects::{Metric, Profile};
+use crate::regression::{Blocks, Column, Normal, Raw, System};
+use crate::series::JointSeries;
+
+/// Passes of fitting causes that depend on each other.
+const MOST_PASSES: usize = 4;
+/// Of a joint's rated torque: how large an effect is expected to be, as a standard deviation. Joints
+/// are sized such that friction and what else is lost comes to about a tenth of it.
+pub const EXPECTED_SHARE: f64 = 0.1;
+
+/// A model's columns on one recording.
+struct Built {
+    /// Recorded torque less what the twin knows, at the rows, N.m.
+    y: Blocks,
+    columns: Vec<Blocks>,
+    /// The columns over all samples, before sensors.
+    series: Vec<Vec<Vec<f64>>>,
+}
+
+impl Built {
+    fn new(observed: &Observed<'_>, model: &Model) -> Self {
+        let mut built = Self { y: observed.torque.clone(), columns: vec![], series: vec![] };
+        built.series = series(observed, model);
+        for column in &built.series {
+            built.columns.push(shown(observed, &model.causes, column.clone()));
+        }
+        let known = (0..observed.joints()).map(|j| {
+            let series = observed.known.joint(j).to_vec();
+            observed.block(j, &sense(observed, &model.causes, j, series))
+        });
+        built.y.add_scaled(-1.0, &Blocks(known.collect()));
+        built
+    }
+
+    /// What the model gives at the values `x`, over all samples, N.m.
+    fn modelled(&self, observed: &Observed<'_>, x: &DVector<f64>) -> JointSeries {
+        let mut sum = observed.known.clone();
+        for (column, x) in self.series.iter().zip(x.iter()) {
+            add(&mut sum, *x, column);
+        }
+        sum
+    }
+
+    /// Recorded less what the model gives at the values `x`, at the rows, N.m.
+    fn residual(&self, x: &DVector<f64>) -> Blocks {
+        let mut residual = self.y.clone();
+        for (column, x) in self.columns.iter().zip(x.iter()) {
+            residual.add_scaled(-x, column);
+        }
+        residual
+    }
+}
+
+/// The columns of all terms over all samples, before sensors. Worked out in the order of the
+/// catalogue, each with the torque of those before it, as last fitted.
+fn series(observed: &Observed<'_>, model: &Model) -> Vec<Vec<Vec<f64>>> {
+    let terms: Vec<&Term> = model.terms().collect();
+    let mut order: Vec<usize> = (0..terms.len()).collect();
+    order.sort_by_key(|&i| terms[i].candidate.order());
+    let mut known = observed.known.clone();
+    let mut columns = vec![Vec::new(); terms.len()];
+    for i in order {
+        columns[i] = signature(observed, model, terms[i], &known);
+        for (column, value) in columns[i].iter().zip(&terms[i].linear) {
+            add(&mut known, *value, column);
+        }
+    }
+    columns.concat()
+}
+
+fn add(sum: &mut JointSeries, factor: f64, column: &[Vec<f64>]) {
+    for (joint, series) in column.iter().enumerate() {
+        sum.joint_mut(joint).iter_mut().zip(series).for_each(|(s, c)| *s += factor * c);
+    }
+}
+
+/// The columns of a term where the drive supplies `known` without it.
+fn signature(
+    observed: &Observed<'_>,
+    model: &Model,
+    term: &Term,
+    known: &JointSeries,
+) -> Vec<Vec<Vec<f64>>> {
+    let under;
+    let robot = match term.candidate.effect.about().scope {
+        Scope::Joint => &model.laden,
+        _ => {
+            let place = term.candidate.order();
+            under = model.laden_with(observed.twin, |c| c.order() < place);
+            &under
+        }
+    };
+    let (known, rigid) = (Some(known), observed.rigid(robot));
+    let motion = Motion { known, rigid, ..observed.motion(robot) };
+    term.series(&motion, observed.index)
+}
+
+/// A model fitted to the recordings of `data`.
+#[derive(Clone)]
+pub struct Fit<'a> {
+    pub data: &'a Data<'a>,
+    pub model: Model,
+    /// Sizes of the discrepancy, joint by joint and group by group.
+    pub sizes: Vec<Vec<u8>>,
+    pub metric: Metric,
+    pub system: System,
+    /// Sum of squares left in the metric, joint by joint, (N.m)^2.
+    pub squares: Vec<f64>,
+    normal: Arc<Normal>,
+    /// What the model gives over all samples of each recording, N.m.
+    modelled: Arc<Vec<JointSeries>>,
+    /// Where the causes weigh something, of each recording.
+    rigid: Arc<Vec<Rigid>>,
+}
+
+impl<'a> Fit<'a> {
+    /// Least squares beside a discrepancy of these sizes; joints are weighted by what the model leaves
+    /// of them, in two rounds. Again where one cause depends on the values of another, until they
+    /// agree: columns that belong to other values predict another recording badly.
+    pub fn new(data: &'a Data<'a>, model: Model, sizes: Vec<Vec<u8>>) -> Self {
+        let mut fit = Self::once(data, model, sizes);
+        for _ in 0..MOST_PASSES {
+            if !fit.model.is_entangled() {
+                break;
+            }
+            let before = fit.system.x.clone();
+            fit = Self::once(data, fit.model, fit.sizes);
+            if fit.system.is_near(&before) {
+                break;
+            }
+        }
+        fit
+    }
+
+    /// Without a discrepancy.
+    pub fn plain(data: &'a Data<'a>, model: Model) -> Self {
+        Self::new(data, model, data.nothing())
+    }
+
+    fn once(data: &'a Data<'a>, mut model: Model, sizes: Vec<Vec<u8>>) -> Self {
+        let built: Vec<Built> = data.parts.iter().map(|p| Built::new(p, &model)).collect();
+        let count = built[0].columns.len();
+        let column = |i: usize| data.raw(built.iter().map(|b| b.columns[i].clone()).collect());
+        let columns: Vec<Raw> = (0..count).map(column).collect();
+        let y = data.raw(built.iter().map(|b| b.y.clone()).collect());
+        let normal = Normal::new(columns, y);
+        let metric = data.metric(&sizes);
+        let system = solved(data, &model, &normal, &metric);
+        let each = data.parts.iter().zip(&built);
+        let modelled = Arc::new(each.map(|(p, b)| b.modelled(p, &system.x)).collect());
+        model.carry(data.twin, &system.x);
+        let squares = system.residual.squares();
+        let rigid = Arc::new(data.parts.iter().map(|p| Rigid::new(p.joints())).collect());
+        Self { data, model, sizes, metric, system, squares, normal, modelled, rigid }
+    }
+
+    /// The same beside a discrepancy of other sizes.
+    pub fn beside(mut self, sizes: Vec<Vec<u8>>) -> Self {
+        if sizes == self.sizes {
+            return self;
+        }
+        (self.metric, self.system) = self.seen_beside(&sizes);
+        self.model.carry(self.data.twin, &self.system.x);
+        self.squares = self.system.residual.squares();
+        self.sizes = sizes;
+        self
+    }
+
+    /// The most likely sizes of the discrepancy at `joints`, the others as they are.
+    pub fn likely_sizes(&self, joints: &[usize]) -> Vec<Vec<u8>> {
+        let mut sizes = self.sizes.clone();
+        for &j in joints {
+            sizes[j] = self.profile(j).best(&sizes[j]).0;
+        }
+        sizes
+    }
+
+    fn profile(&self, j: usize) -> Profile<'_> {
+        let features = &self.data.features[j];
+        let count = self.data.count(j);
+        self.normal.profile(features, j, &self.system.x, count, self.data.least(j))
+    }
+
+    /// Logarithm of the evidence: how likely the data are with the discrepancy integrated out, at the
+    /// best values of what the twin leaves open, and averaged over what is expected of the causes'
+    /// linear parameters; nats, up to a constant of the data.
+    pub fn ln_evidence(&self) -> f64 {
+        let joints: f64 = (0..self.squares.len()).map(|j| self.ln_likelihood(j)).sum();
+        let starts = self.model.causes.iter().map(Term::ln_starts).sum::<f64>();
+        joints - self.system.occam_penalty() - starts
+    }
+
+    /// Of one joint's rows.
+    pub fn ln_likelihood(&self, j: usize) -> f64 {
+        self.data.ln_likelihood(j, self.squares[j], &self.metric)
+    }
+
+    /// The same model beside a discrepancy of other sizes.
+    pub fn seen_beside(&self, sizes: &[Vec<u8>]) -> (Metric, System) {
+        let metric = self.data.metric(sizes);
+        let system = solved(self.data, &self.model, &self.normal, &metric);
+        (metric, system)
+    }
+
+    /// What model and discrepancy leave of a joint, N.m at its rows.
+    pub fn innovations(&self, j: usize) -> Vec<f64> {
+        let root = self.data.shares[j].sqrt();
+        let rows = self.system.residual.rows.joint(j).iter().map(|r| r / root);
+        let discrepancy = self.discrepancy(j);
+        match discrepancy.is_empty() {
+            true => rows.collect(),
+            false => rows.zip(discrepancy).map(|(r, d)| r - d).collect(),
+        }
+    }
+
+    /// The most likely discrepancy of a joint, N.m at its rows; empty where there is none.
+    pub fn discrepancy(&self, j: usize) -> Vec<f64> {
+        let (features, metric) = (&self.data.features[j], &self.metric.joints[j]);
+        if metric.is_plain() || self.data.rows(j) == 0 {
+            return Vec::new();
+        }
+        let taken = self.system.residual.taken(j);
+        let mut sum = features.sum(&metric.coefficients(taken, features.columns.len()), None);
+        let root = self.data.shares[j].sqrt();
+        sum.iter_mut().for_each(|d| *d /= root);
+        sum
+    }
+
+    /// The columns of a further candidate, as the rows show them.
+    pub fn raw(&self, candidate: Candidate, nonlinear: &[f64]) -> Vec<Raw> {
+        let parts: Vec<Vec<Blocks>> = (0..self.data.parts.len()).map(|p| self.blocks(p, candidate, nonlinear)).collect();
+        let column = |i: usize| self.data.raw(parts.iter().map(|p| p[i].clone()).collect());
+        (0..candidate.linear()).map(column).collect()
+    }
+
+    /// Of one recording.
+    fn blocks(&self, p: usize, candidate: Candidate, nonlinear: &[f64]) -> Vec<Blocks> {
+        let (observed, sensors) = (self.data.parts[p], &self.model.causes);
+        let series = candidate.series(&self.motion_of(p), nonlinear, observed.index);
+        series.into_iter().map(|column| shown(observed, sensors, column)).collect()
+    }
+
+    /// The same, kept for the next time where the effect does not depend on values of the model.
+    pub fn raw_kept(&self, candidate: Candidate, nonlinear: &[f64]) -> Arc<Vec<Raw>> {
+        let effect = candidate.effect;
+        if effect.follows_drive() {
+            return Arc::new(self.raw(candidate, nonlinear));
+        }
+        let senses = self.model.causes.iter().filter(|t| t.candidate.senses());
+        let sensors: Vec<_> = senses.map(|t| (t.candidate, &t.nonlinear)).collect();
+        let load = match effect.depends_on_load() {
+            true => format!("{:?}", self.model.laden.bodies.iter().map(|b| b.inertia).collect::<Vec<_>>()),
+            false => String::new(),
+        };
+        let recording = candidate.recording;
+        let key = format!("{candidate:?} {recording:?} {nonlinear:?} {sensors:?} {load}");
+        self.data.kept(&key, |p| self.blocks(p, candidate, nonlinear))
+    }
+
+    /// The same in the metric of this fit.
+    pub fn columns(&self, candidate: Candidate, nonlinear: &[f64]) -> Vec<Column> {
+        self.raw(candidate, nonlinear).iter().map(|c| Column::new(c, &self.metric)).collect()
+    }
+
+    /// The motion of a recording as felt by the arm with its causes.
+    fn motion_of(&self, p: usize) -> Motion<'_> {
+        let (observed, laden) = (self.data.parts[p], &self.model.laden);
+        let rigid = Some(observed.rigid(laden).unwrap_or(&self.rigid[p]));
+        Motion { known: Some(&self.modelled[p]), rigid, ..observed.motion(laden) }
+    }
+
+    /// d torque / d value of what a sensor of `candidate` shows, around none: a column to search by.
+    pub fn sensed(&self, candidate: Candidate, nonlinear: &[f64]) -> Raw {
+        let term = Term::new(candidate, nonlinear.to_vec());
+        let change = |p: usize| {
+            let observed = self.data.parts[p];
+            let joint = |j: usize| {
+                if !acts_on(candidate, j) {
+                    return Vec::new();
+                }
+                let series = self.modelled[p].joint(j).to_vec();
+                let sensors = &self.model.causes;
+                let before = observed.block(j, &sense(observed, sensors, j, series.clone()));
+                let later = sense(observed, std::slice::from_ref(&term), j, series);
+                let after = observed.block(j, &sense(observed, sensors, j, later));
+                after.iter().zip(before).map(|(a, b)| (a - b) / nonlinear[0]).collect()
+            };
+            Blocks((0..observed.joints()).map(joint).collect())
+        };
+        self.data.raw((0..self.data.parts.len()).map(change).collect())
+    }
+
+    /// Of the first recording, where a search begins.
+    pub fn motion(&self) -> Motion<'_> {
+        let first = self.data.parts[0];
+        first.motion(&first.twin.robot)
+    }
+
+    /// What the fitted values leave of a recording, N.m at its rows.
+    pub fn held_against(&self, other: &Observed<'_>) -> Blocks {
+        Built::new(other, &self.model).residual(&self.system.x)
+    }
+
+    /// Values of cause `i`: linear, then nonlinear.
+    pub fn values(&self, i: usize) -> Vec<f64> {
+        let linear = &self.system.x.as_slice()[self.model.range(i)];
+        linear.iter().chain(&self.model.causes[i].nonlinear).copied().collect()
+    }
+
+    /// Columns of all terms with what a bound holds at zero set free, and the residual, of one
+    /// recording as columns of `data` see it.
+    pub fn free_columns(&self) -> Vec<Raw> {
+        let mut free = self.model.clone();
+        free.causes.iter_mut().for_each(|t| t.held.fill(false));
+        let built: Vec<Built> = self.data.parts.iter().map(|p| Built::new(p, &free)).collect();
+        let column = |i: usize| built.iter().map(|b| b.columns[i].clone()).collect();
+        (0..built[0].columns.len()).map(|i| self.data.raw(column(i))).collect()
+    }
+
+    /// What another model gives at the values of this one, less the recorded torque, N.m.
+    pub fn predicted(&self, model: &Model) -> Raw {
+        let minus = |p: &&Observed| {
+            let mut residual = Built::new(p, model).residual(&self.system.x);
+            residual.0.iter_mut().flatten().for_each(|v| *v = -*v);
+            residual
+        };
+        self.data.raw(self.data.parts.iter().map(minus).collect())
+    }
+}
+
+/// In two rounds: the weights of the second are what the first leaves. The twin's own friction that
+/// would have to push is held at zero.
+fn solved(data: &Data<'_>, model: &Model, normal: &Normal, metric: &Metric) -> System {
+    let mut priors = priors(data, model, &normal.columns);
+    let start = Column::new(&normal.y, metric).squares();
+    let first = System::solve(normal, metric, data.weights(&start), priors.clone());
+    let weights = data.weights(&first.residual.squares());
+    let mut system = System::solve(normal, metric, weights.clone(), priors.clone());
+    for _ in 0..MOST_PASSES {
+        let pushing = pushing(model, &system);
+        if pushing.is_empty() {
+            break;
+        }
+        pushing.into_iter().for_each(|i| priors[i] = HELD);
+        system = System::solve(normal, metric, weights.clone(), priors.clone());
+    }
+    system
+}
+
+/// Standard deviation of what is held at zero, in any unit.
+const HELD: f64 = 1e-12;
+
+/// Places of open parameters that may not be negative and are.
+fn pushing(model: &Model, system: &System) -> Vec<usize> {
+    let parameters = model.open.iter().flat_map(|t| t.candidate.effect.about().parameters);
+    let linear = parameters.filter(|p| p.role == Role::Linear).enumerate();
+    let pushes = |i: usize| system.x[i] < 0.0 && system.priors[i].is_infinite();
+    linear.filter(|(i, p)| p.min >= 0.0 && pushes(*i)).map(|(i, _)| i).collect()
+}
+
+/// Standard deviations of all linear parameters: unknown where the twin leaves them open.
+fn priors(data: &Data<'_>, model: &Model, columns: &[Raw]) -> Vec<f64> {
+    let open: usize = model.open.iter().map(|t| t.candidate.linear()).sum();
+    let of = |(i, column): (usize, &Raw)| match i < open {
+        true => f64::INFINITY,
+        false => expected(data, column),
+    };
+    columns.iter().enumerate().map(of).collect()
+}
+
+/// The value at which a column's torque is as large as effects are expected to be, at the joint where
+/// that is reached first.
+pub fn expected(data: &Data<'_>, column: &Raw) -> f64 {
+    let relative = |j: usize| match column.rows.touches(j) {
+        true => {
+            let rows = column.rows.joint(j);
+            let square: f64 = crate::kernels::dot(rows, rows);
+            let acting = rows.iter().filter(|v| **v != 0.0).count().max(1) as f64;
+            (square / acting).sqrt() / data.rated[j]
+        }
+        false => 0.0,
+    };
+    let largest = (0..data.joints()).map(relative).fold(0.0, f64::max);
+    if largest > 0.0 { EXPECTED_SHARE / largest } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::candidate::Place;
+    use crate::effects::find;
+    use crate::twin::Twin;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::testing::samples;
+
+    const GAIN: f64 = 0.2;
+    const COULOMB_NM: f64 = 6.0;
+    const LOAD_KG: f64 = 2.0;
+    const TILT_RAD: f64 = 0.1;
+
+    fn cause(name: &str, twin: &Twin, evidence: &Observed<'_>) -> Term {
+        let candidate = Candidate::new(find(name).unwrap(), Place::Arm);
+        let starts = candidate.starts(&evidence.motion(&twin.robot), twin);
+        Term::new(candidate, starts[0].clone())
+    }
+
+    /// Torque of an arm that has a gain, a load and a tilt, all of which its twin lacks.
+    fn recorded(twin: &Twin) -> crate::signals::Samples {
+        let mut arm = twin.clone();
+        arm.effects.extend(["payload", "base_tilt", "torque_constant"].map(String::from));
+        for (name, value) in [
+            ("coulomb", COULOMB_NM),
+            ("viscous", 3.0),
+            ("payload_mass", LOAD_KG),
+            ("payload_moment_x", 0.0),
+            ("payload_moment_y", 0.0),
+            ("payload_moment_z", 0.1),
+            ("tilt_x", TILT_RAD),
+            ("tilt_y", 0.0),
+            ("torque_gain_error", GAIN),
+        ] {
+            let count = if name.starts_with("payload") || name.starts_with("tilt") { 1 } else { 6 };
+            arm.values.insert(name.into(), vec![value; count]);
+        }
+        let mut made = samples(6, 4000, |j, t| {
+            0.7 * (0.9 * t + j as f64).sin() + 0.3 * ((1.7 + 0.3 * j as f64) * t).sin()
+        });
+        made.torque = arm.torque(&arm.motion(&made));
+        made
+    }
+
+    #[test]
+    fn friction_that_would_push_is_held_at_zero() {
+        let twin = Twin::default();
+        let mut made = recorded(&twin);
+        let push = made.qd.joint(2).iter().map(|qd| -20.0 * qd.signum()).collect::<Vec<f64>>();
+        made.torque.joint_mut(2).iter_mut().zip(push).for_each(|(t, p)| *t += p);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let data = Data::plain(vec![&observed]);
+        let fit = Fit::plain(&data, Model::of(&twin));
+        assert!(fit.system.x.iter().all(|x| *x >= -1e-9), "{:?}", fit.system.x);
+        assert!(fit.system.x.iter().any(|x| x.abs() <= 1e-9), "{:?}", fit.system.x);
+    }
+
+    /// A gain scales friction too, and a base tilts with its load: fitted together they come out as
+    /// they are, and so does the friction beside them.
+    #[test]
+    fn causes_that_depend_on_each_other_come_out_as_they_are() {
+        let twin = Twin::default();
+        let samples = recorded(&twin);
+        let floor = noise_floor(&samples, &twin);
+        let evidence = Observed::new(0, &twin, &samples, &floor).unwrap();
+        let data = Data::plain(vec![&evidence]);
+        let mut model = Model::of(&twin);
+        for name in ["payload", "base_tilt", "torque_constant"] {
+            model = model.with(cause(name, &twin, &evidence));
+        }
+        // References and dependences settle.
+        let mut fit = Fit::plain(&data, model);
+        for _ in 0..8 {
+            let mut model = fit.model.clone();
+            for term in &mut model.causes {
+                let linear = term.linear.clone();
+                term.candidate.effect.settle(&linear, &mut term.nonlinear);
+            }
+            fit = Fit::plain(&data, model);
+        }
+        let near = |found: f64, truth: f64| (found - truth).abs() < 0.01 * truth;
+        assert!(near(fit.values(0)[0], LOAD_KG), "{:?}", fit.values(0));
+        assert!(near(fit.values(1)[0], TILT_RAD), "{:?}", fit.values(1));
+        assert!(near(fit.values(2)[0], GAIN), "{:?}", fit.values(2));
+        let coulomb = fit.model.open.iter().filter(|t| t.candidate.name() == "coulomb");
+        for term in coulomb {
+            assert!(near(term.linear[0], COULOMB_NM), "{:?}", term);
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! Probabilities: what is at work, beside rivals, nothing, and a discrepancy of any shape.
+
+use super::candidate::Candidate;
+use super::criteria::Criteria;
+use super::fit::Fit;
+use super::search::Standing;
+use super::verdict::Findings;
+use super::{Cause, Named, Ranked};
+
+const NONE: &str = "none";
+const UNKNOWN: &str = "unknown";
+
+pub fn named(candidate: Candidate) -> Named {
+    Named { effect: candidate.name().into(), joints: candidate.place.joints() }
+}
+
+/// That a cause is there: it or what looks the same, beside its other rivals and none of them.
+pub fn probability(standing: &Standing<'_>, criteria: &Criteria) -> f64 {
+    let shares = shares(standing, criteria);
+    let mine = standing.cause().candidate();
+    let usable: Vec<_> = standing.ranked.iter().filter(|h| h.at_bound.is_none()).collect();
+    let at = usable.iter().position(|h| h.candidate() == mine);
+    at.map_or(0.0, |i| shares[i])
+}
+
+/// Of those that are no rejections, in order; the last is that the other causes alone are at work.
+fn shares(standing: &Standing<'_>, criteria: &Criteria) -> Vec<f64> {
+    let usable = standing.ranked.iter().filter(|h| h.at_bound.is_none());
+    let nats: Vec<f64> = usable.map(|h| h.nats).chain([0.0]).collect();
+    criteria.probabilities(&nats)
+}
+
+/// What does as well within the odds that tell nothing, and is not rejected.
+pub fn equivalents(standing: &Standing<'_>, criteria: &Criteria) -> Vec<Named> {
+    let mine = standing.cause();
+    let near = |nats: f64| {
+        criteria.trusted(mine.nats) - criteria.trusted(nats) < criteria.equal_odds.ln()
+    };
+    let others = standing.ranked.iter().filter(|h| {
+        h.candidate() != mine.candidate() && h.at_bound.is_none() && h.nats > 0.0 && near(h.nats)
+    });
+    others.map(|h| named(h.candidate())).collect()
+}
+
+/// Evidence for a discrepancy over none beside the same causes, nats: the best of so many sizes.
+pub fn of_discrepancy(fit: &Fit<'_>) -> f64 {
+    let groups: usize = fit.sizes.iter().map(Vec::len).sum();
+    let plain = fit.clone().beside(fit.data.nothing());
+    (fit.ln_evidence() - plain.ln_evidence()) - (groups.max(1) as f64).ln()
+}
+
+/// The strongest cause's rivals, "none" and "unknown": what is at work first of all.
+pub fn ranking(findings: &Findings<'_>) -> Vec<Ranked> {
+    let criteria = &findings.search.criteria;
+    let strongest = (0..findings.standings.len()).max_by(|a, b| {
+        let taken = |i: &usize| {
+            let s = &findings.shrinks[*i];
+            s.check_before_nm.powi(2) - s.check_after_nm.powi(2)
+        };
+        taken(a).total_cmp(&taken(b))
+    });
+    let (mut rows, rest): (Vec<(Candidate, f64)>, &Fit<'_>) = match strongest {
+        Some(i) => {
+            let standing = &findings.standings[i];
+            let usable = standing.ranked.iter().filter(|h| h.at_bound.is_none());
+            (usable.map(|h| (h.candidate(), h.nats)).collect(), &standing.without)
+        }
+        None => {
+            let first = findings.found.rounds.first();
+            let weighed = first.iter().flat_map(|r| &r.weighed);
+            let usable = weighed.filter(|w| w.at_bound.is_none());
+            (usable.map(|w| (w.candidate, w.nats)).collect(), &findings.found.start)
+        }
+    };
+    rows.sort_by(|a, b| b.1.total_cmp(&a.1));
+    // Nothing at all against a discrepancy: what is not there has no evidence.
+    let unknown = of_discrepancy(rest);
+    let [none, unknown] = if unknown > 0.0 { [-unknown, 0.0] } else { [0.0, unknown] };
+    let nats: Vec<f64> = rows.iter().map(|r| r.1).chain([none, unknown]).collect();
+    let shares = criteria.probabilities(&nats);
+    let mut all: Vec<Ranked> = rows
+        .iter()
+        .zip(&shares)
+        .map(|((candidate, nats), share)| ranked(named(*candidate), *share, *nats))
+        .collect();
+    let seen = |c: &Candidate| rows.iter().any(|r| r.0 == *c);
+    let screened = findings.found.screened.iter().filter(|(c, _)| !seen(c));
+    all.extend(screened.map(|(c, nats)| ranked(named(*c), 0.0, *nats)));
+    let of = |name: &str| Named { effect: name.into(), joints: vec![] };
+    all.push(ranked(of(NONE), shares[rows.len()], none));
+    all.push(ranked(of(UNKNOWN), shares[rows.len() + 1], unknown));
+    all.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    all
+}
+
+fn ranked(named: Named, probability: f64, nats: f64) -> Ranked {
+    let Named { effect, joints } = named;
+    Ranked { effect, joints, probability, nats: if nats.is_finite() { nats } else { 0.0 } }
+}
+
+/// The probability of "unknown".
+pub fn unknown(ranking: &[Ranked]) -> f64 {
+    ranking.iter().filter(|r| r.effect == UNKNOWN).map(|r| r.probability).sum()
+}
+
+/// A cause that torque does not show goes first: what the others share is left by it.
+pub fn with_sensor(sensor: &[Cause], mut ranking: Vec<Ranked>) -> Vec<Ranked> {
+    for cause in sensor {
+        ranking.retain(|r| r.effect != cause.effect || r.joints != cause.joints);
+        ranking.iter_mut().for_each(|r| r.probability *= 1.0 - cause.probability);
+        let named = Named { effect: cause.effect.clone(), joints: cause.joints.clone() };
+        let probability = 1.0 - ranking.iter().map(|r| r.probability).sum::<f64>();
+        ranking.insert(0, ranked(named, probability, 0.0));
+    }
+    ranking
+}

@@ -1,0 +1,139 @@
+//! Every candidate at all its starts, beside the discrepancy as it is and beside smaller ones.
+//!
+//! What a twin lacks has made the discrepancy as large as it is; with the cause in place it shrinks.
+//! So a candidate is tried in several metrics, and the best of them counts.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::candidate::Candidate;
+use super::fit::Fit;
+use super::windows;
+use super::refine::{Trial, linear_bounds, priors};
+use crate::regression::random_effects::Metric;
+use crate::regression::{Column, Raw, System};
+
+/// Steps by which all groups of the discrepancy are made smaller: as they are, a quarter, a
+/// sixteenth, and none.
+const SMALLER: [u8; 4] = [0, 2, 4, u8::MAX];
+
+/// The best start of a candidate.
+pub struct Screened {
+    pub trial: Trial,
+    /// Evidence gained, about, nats.
+    pub gain: f64,
+    /// Sizes of the discrepancy it was gained beside.
+    pub sizes: Vec<Vec<u8>>,
+}
+
+/// The model of a fit beside a discrepancy of certain sizes.
+struct Frame {
+    sizes: Vec<Vec<u8>>,
+    metric: Metric,
+    system: System,
+    squares: Vec<f64>,
+    /// Log-likelihood less that of the fit, joint by joint.
+    behind: Vec<f64>,
+}
+
+/// Every candidate's best start, best first.
+pub fn screen(fit: &Fit<'_>, candidates: &[Candidate]) -> Vec<Screened> {
+    let frames = frames(fit);
+    let of = |candidate: &Candidate| best_start(fit, &frames, *candidate);
+    let mut each: Vec<Screened> = candidates.par_iter().map(of).collect();
+    each.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    each
+}
+
+fn frames(fit: &Fit<'_>) -> Vec<Frame> {
+    let mut all: Vec<Vec<Vec<u8>>> = Vec::new();
+    for less in SMALLER {
+        let step = |s: &u8| if *s == 0 { 0 } else { s.saturating_sub(less) };
+        let sizes: Vec<Vec<u8>> =
+            fit.sizes.iter().map(|joint| joint.iter().map(step).collect()).collect();
+        if !all.contains(&sizes) {
+            all.push(sizes);
+        }
+    }
+    all.into_par_iter().map(|sizes| frame(fit, sizes)).collect()
+}
+
+fn frame(fit: &Fit<'_>, sizes: Vec<Vec<u8>>) -> Frame {
+    let (metric, system) = fit.seen_beside(&sizes);
+    let squares = system.residual.squares();
+    let likelihood = |j: usize| fit.data.ln_likelihood(j, squares[j], &metric);
+    let behind = (0..squares.len()).map(|j| likelihood(j) - fit.ln_likelihood(j)).collect();
+    Frame { sizes, metric, system, squares, behind }
+}
+
+fn best_start(fit: &Fit<'_>, frames: &[Frame], candidate: Candidate) -> Screened {
+    let starts = Arc::new(candidate.starts(&fit.motion(), fit.data.twin));
+    let first = starts.first().cloned().unwrap_or_default();
+    let mut best = Screened {
+        trial: Trial::at(candidate, first, starts.clone()),
+        gain: f64::NEG_INFINITY,
+        sizes: fit.sizes.clone(),
+    };
+    let tried: Vec<&Vec<f64>> = match candidate {
+        c if c.senses() => starts.iter().take(1).collect(),
+        c if c.effect.lasts_a_while() => windows::promising(fit, candidate, &starts),
+        _ => starts.iter().collect(),
+    };
+    for nonlinear in tried {
+        let raw = match candidate.senses() {
+            true => Arc::new(vec![fit.sensed(candidate, nonlinear)]),
+            false => fit.raw_kept(candidate, nonlinear),
+        };
+        for frame in frames {
+            let (linear, gain) = frame.gain(fit, candidate, &raw);
+            if gain > best.gain {
+                best.gain = gain;
+                best.sizes.clone_from(&frame.sizes);
+                best.trial = at(&best.trial, nonlinear, linear);
+            }
+        }
+    }
+    best.gain -= best.trial.term().ln_starts();
+    best
+}
+
+/// The trial with these values; of a sensor the value is the nonlinear one.
+fn at(trial: &Trial, nonlinear: &[f64], linear: Vec<f64>) -> Trial {
+    match trial.candidate.senses() {
+        true => {
+            let p = &trial.candidate.effect.about().parameters[0];
+            let inside = linear.iter().map(|v| p.clamp(v.max(nonlinear[0]))).collect();
+            Trial { nonlinear: inside, ..trial.clone() }
+        }
+        false => Trial { nonlinear: nonlinear.to_vec(), linear, ..trial.clone() },
+    }
+}
+
+impl Frame {
+    /// The linear parameters, and the evidence gained over the fit.
+    fn gain(&self, fit: &Fit<'_>, candidate: Candidate, raw: &[Raw]) -> (Vec<f64>, f64) {
+        let columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &self.metric)).collect();
+        let touched = |j: &usize| columns.iter().any(|c| c.touches(*j));
+        let touched: Vec<usize> = (0..self.squares.len()).filter(touched).collect();
+        if touched.is_empty() {
+            return (vec![0.0; columns.len()], f64::NEG_INFINITY);
+        }
+        let priors = priors(fit, raw);
+        let projected = self.system.project(&columns, &priors);
+        let bounds = match candidate.senses() {
+            true => crate::regression::bounds::Bounds::new(vec![0.0], vec![f64::INFINITY])
+                .unwrap_or_else(|_| crate::regression::bounds::Bounds::unbounded(1)),
+            false => linear_bounds(candidate, fit.data.twin),
+        };
+        let (linear, gain) = projected.solve(&bounds);
+        let weighted = |j: &usize| self.system.weights[*j] * self.squares[*j];
+        let left: f64 = touched.iter().map(weighted).sum();
+        let count: f64 = touched.iter().map(|j| fit.data.count(*j)).sum();
+        let after = (1.0 - 2.0 * gain / left.max(f64::MIN_POSITIVE)).max(1e-6);
+        let fitted = -0.5 * count * after.ln();
+        let behind: f64 = touched.iter().map(|j| self.behind[*j]).sum();
+        let linear: Vec<f64> = linear.iter().copied().collect();
+        (linear, fitted + behind - projected.narrowing(&priors))
+    }
+}

@@ -1,0 +1,14 @@
+//! Least squares over the rows of recordings: columns, bounds, solvers. Knows no effect's name.
+
+mod blocks;
+mod column;
+pub mod bounded;
+pub mod bounds;
+pub mod brent;
+pub mod qr;
+pub mod random_effects;
+mod system;
+
+pub use blocks::Blocks;
+pub use column::{Column, Raw, weighted_dot};
+pub use system::{Normal, Projected, System};
