@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::Settings;
 use super::discrepancy::{Discrepancy, GROUPS};
 use super::observed::Observed;
-use crate::regression::random_effects::{Features, Metric, ln_likelihood};
+use crate::regression::random_effects::{Features, JointMetric, Metric, ln_likelihood};
 use crate::regression::{Blocks, Raw};
 use crate::twin::Twin;
 
@@ -37,7 +37,8 @@ impl<'a> Data<'a> {
         let discrepancy = Discrepancy::new(&data.parts, settings);
         let rows = |j: usize| {
             let parts = &data.parts;
-            discrepancy.features(j, move |p, series| parts[p].block(j, series))
+            let noise = data.least(j).sqrt() / BELOW_FLOOR;
+            discrepancy.features(j, noise, move |p, series| parts[p].block(j, series))
         };
         data.features = (0..data.joints()).into_par_iter().map(rows).collect();
         data
@@ -140,7 +141,11 @@ impl<'a> Data<'a> {
     pub fn ln_likelihood(&self, j: usize, squares: f64, metric: &Metric) -> f64 {
         match self.count(j) {
             0.0 => 0.0,
-            count => ln_likelihood(squares, count, self.least(j)) - 0.5 * metric.joints[j].ln_det,
+            count => {
+                let JointMetric { ln_det, .. } = &*metric.joints[j];
+                let price = metric.joints[j].price();
+                ln_likelihood(squares, count, self.least(j)) - 0.5 * ln_det - price
+            }
         }
     }
 

@@ -16,9 +16,14 @@ use super::Settings;
 use super::observed::Observed;
 use crate::regression::random_effects::Features;
 use crate::robot::body_regressor_series;
+use crate::signals::central_difference;
 
 /// Groups, each with a size of its own.
-pub const GROUPS: [&str; 3] = ["posture", "masses", "time"];
+pub const GROUPS: [&str; 4] = ["posture", "masses", "timing", "time"];
+/// Those whose size is known beforehand: no larger than the features as they come.
+const KNOWN: [&str; 2] = ["masses", "timing"];
+/// Of the time between samples: channels are not taken at one instant better than this.
+const SIMULTANEOUS: f64 = 0.125;
 
 /// Features of a smooth function of all angles and speeds (Rahimi and Recht, "Random features for
 /// large-scale kernel machines", NIPS 2007), and the standard deviations over which it bends.
@@ -74,9 +79,16 @@ impl<'a> Discrepancy<'a> {
         Self { parts, scales, waves, settings }
     }
 
-    /// The features of a joint over the rows of all recordings; `rows` makes rows of a series over
+    /// The features of a joint over the rows of all recordings, whose noise has this standard
+    /// deviation (N.m); `rows` makes rows of a series over
     /// the samples of recording number p.
-    pub fn features(&self, joint: usize, rows: impl Fn(usize, &[f64]) -> Vec<f64>) -> Features {
+    pub fn features(
+        &self,
+        joint: usize,
+        noise: f64,
+        rows: impl Fn(usize, &[f64]) -> Vec<f64>,
+    ) -> Features {
+        let mut largest = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
         let mut group = Vec::new();
         for (g, name) in GROUPS.iter().enumerate() {
@@ -88,18 +100,24 @@ impl<'a> Discrepancy<'a> {
                 (0..self.parts.len()).flat_map(row).collect()
             };
             let mut made: Vec<Vec<f64>> = (0..count).map(of).collect();
-            normalise(&mut made, *name == "masses");
+            let known = KNOWN.contains(name);
+            let sd = normalise(&mut made, known);
+            if known {
+                largest.push((g, sd / noise.max(f64::MIN_POSITIVE)));
+            }
             made.retain(|c| c.iter().any(|v| *v != 0.0));
             group.extend(vec![g; made.len()]);
             columns.append(&mut made);
         }
-        Features::new(columns, group, GROUPS.len())
+        let features = Features::new(columns, group, GROUPS.len());
+        largest.into_iter().fold(features, |features, (g, most)| features.bounded(g, most))
     }
 
     fn series(&self, group: &str, part: usize, joint: usize) -> Vec<Series> {
         match group {
             "posture" => self.posture(part),
             "masses" => self.masses(part, joint),
+            "timing" => self.timing(part, joint),
             _ => self.time(part),
         }
     }
@@ -146,6 +164,13 @@ impl<'a> Discrepancy<'a> {
         all
     }
 
+    /// A torque that is recorded a part of a sample earlier or later than the motion.
+    fn timing(&self, part: usize, joint: usize) -> Vec<Series> {
+        let Observed { samples, known, .. } = self.parts[part];
+        let rate = central_difference(known.joint(joint), samples.dt);
+        vec![rate.into_iter().map(|r| SIMULTANEOUS * samples.dt * r).collect()]
+    }
+
     /// What changes slowly while it is recorded, in each recording by itself.
     fn time(&self, part: usize) -> Vec<Series> {
         let mut all = Vec::new();
@@ -173,8 +198,9 @@ fn spread(x: &[f64]) -> [f64; 2] {
 }
 
 /// Columns without their means, so that a constant is no part of them, and such that a group of
-/// size 1 has variance 1 over the rows: every column alike, or `together` as they come.
-fn normalise(columns: &mut [Vec<f64>], together: bool) {
+/// size 1 has variance 1 over the rows: every column alike, or `together` as they come. Returns the
+/// standard deviation of the group before that.
+fn normalise(columns: &mut [Vec<f64>], together: bool) -> f64 {
     let count = columns.len().max(1) as f64;
     let mut sum = 0.0;
     for column in columns.iter_mut() {
@@ -190,4 +216,5 @@ fn normalise(columns: &mut [Vec<f64>], together: bool) {
     if together && sum > 0.0 {
         columns.iter_mut().flatten().for_each(|v| *v /= sum.sqrt());
     }
+    sum.sqrt()
 }

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
-use super::candidate::{Candidate, Term, acts_on, sense, shown};
+use super::candidate::{Candidate, Place, Term, acts_on, sense, shown};
 use super::data::Data;
 use super::model::Model;
-use super::observed::Observed;
+use super::observed::{Observed, Series};
 use crate::effects::{Motion, Rigid, Role, Scope};
 use crate::regression::random_effects::{Metric, Profile};
 use crate::regression::{Blocks, Column, Normal, Raw, System};
@@ -24,17 +24,39 @@ struct Built {
     /// Recorded torque less what the twin knows, at the rows, N.m.
     y: Blocks,
     columns: Vec<Blocks>,
-    /// The columns over all samples, before sensors.
-    series: Vec<Vec<Vec<f64>>>,
+    /// The columns of every term over all samples, before sensors.
+    series: Vec<Arc<Series>>,
 }
 
 impl Built {
     fn new(observed: &Observed<'_>, model: &Model) -> Self {
         let mut built = Self { y: observed.torque.clone(), columns: vec![], series: vec![] };
-        built.series = series(observed, model);
-        for column in &built.series {
-            built.columns.push(shown(observed, &model.causes, column.clone()));
+        built.series = vec![Arc::default(); model.terms().count()];
+        let terms: Vec<&Term> = model.terms().collect();
+        let mut columns = vec![Arc::default(); terms.len()];
+        // In the order of the catalogue, each with the torque of those before it, as last fitted.
+        let mut order: Vec<usize> = (0..terms.len()).collect();
+        order.sort_by_key(|&i| terms[i].candidate.order());
+        let mut known = observed.known.clone();
+        for i in order {
+            let term = terms[i];
+            let key = key(model, term.candidate, &term.nonlinear) + &format!("{:?}", term.held);
+            let series = || signature(observed, model, term, &known);
+            let show = |series: &Series| -> Vec<Blocks> {
+                series.iter().map(|c| shown(observed, &model.causes, c.clone())).collect()
+            };
+            if follows(model, term.candidate) {
+                built.series[i] = Arc::new(series());
+                columns[i] = Arc::new(show(&built.series[i]));
+            } else {
+                built.series[i] = observed.series(&key, series);
+                columns[i] = observed.kept(&format!("term {key}"), || show(&built.series[i]));
+            }
+            for (column, value) in built.series[i].iter().zip(&term.linear) {
+                add(&mut known, *value, column);
+            }
         }
+        built.columns = columns.iter().flat_map(|c| c.iter().cloned()).collect();
         let known = (0..observed.joints()).map(|j| {
             let series = observed.known.joint(j).to_vec();
             observed.block(j, &sense(observed, &model.causes, j, series))
@@ -46,7 +68,7 @@ impl Built {
     /// What the model gives at the values `x`, over all samples, N.m.
     fn modelled(&self, observed: &Observed<'_>, x: &DVector<f64>) -> JointSeries {
         let mut sum = observed.known.clone();
-        for (column, x) in self.series.iter().zip(x.iter()) {
+        for (column, x) in self.series.iter().flat_map(|s| s.iter()).zip(x.iter()) {
             add(&mut sum, *x, column);
         }
         sum
@@ -62,21 +84,22 @@ impl Built {
     }
 }
 
-/// The columns of all terms over all samples, before sensors. Worked out in the order of the
-/// catalogue, each with the torque of those before it, as last fitted.
-fn series(observed: &Observed<'_>, model: &Model) -> Vec<Vec<Vec<f64>>> {
-    let terms: Vec<&Term> = model.terms().collect();
-    let mut order: Vec<usize> = (0..terms.len()).collect();
-    order.sort_by_key(|&i| terms[i].candidate.order());
-    let mut known = observed.known.clone();
-    let mut columns = vec![Vec::new(); terms.len()];
-    for i in order {
-        columns[i] = signature(observed, model, terms[i], &known);
-        for (column, value) in columns[i].iter().zip(&terms[i].linear) {
-            add(&mut known, *value, column);
+/// Do the columns of a candidate change with values of the model, so that keeping them is of no use?
+fn follows(model: &Model, candidate: Candidate) -> bool {
+    candidate.effect.follows_drive() || model.causes.iter().any(|t| t.candidate.senses())
+}
+
+/// All that the columns of an effect depend on, where they follow no value of the model.
+fn key(model: &Model, candidate: Candidate, nonlinear: &[f64]) -> String {
+    let recording = candidate.recording;
+    let key = format!("{candidate:?} {recording:?} {nonlinear:?}");
+    match candidate.effect.depends_on_load() {
+        true => {
+            let carried: Vec<_> = model.laden.bodies.iter().map(|b| b.inertia).collect();
+            key + &format!("{carried:?} {:?}", model.laden.gravity)
         }
+        false => key,
     }
-    columns.concat()
 }
 
 fn add(sum: &mut JointSeries, factor: f64, column: &[Vec<f64>]) {
@@ -91,7 +114,7 @@ fn signature(
     model: &Model,
     term: &Term,
     known: &JointSeries,
-) -> Vec<Vec<Vec<f64>>> {
+) -> Series {
     let under;
     let robot = match term.candidate.effect.about().scope {
         Scope::Joint => &model.laden,
@@ -101,7 +124,8 @@ fn signature(
             &under
         }
     };
-    let (known, rigid) = (Some(known), observed.rigid(robot));
+    let rigid = observed.rigid(robot);
+    let (known, rigid) = (Some(known), Some(&*rigid));
     let motion = Motion { known, rigid, ..observed.motion(robot) };
     term.series(&motion, observed.index)
 }
@@ -120,8 +144,8 @@ pub struct Fit<'a> {
     normal: Arc<Normal>,
     /// What the model gives over all samples of each recording, N.m.
     modelled: Arc<Vec<JointSeries>>,
-    /// Where the causes weigh something, of each recording.
-    rigid: Arc<Vec<Rigid>>,
+    /// What the arm with its causes weighs, of each recording.
+    rigid: Vec<Arc<Rigid>>,
 }
 
 impl<'a> Fit<'a> {
@@ -161,7 +185,7 @@ impl<'a> Fit<'a> {
         let modelled = Arc::new(each.map(|(p, b)| b.modelled(p, &system.x)).collect());
         model.carry(data.twin, &system.x);
         let squares = system.residual.squares();
-        let rigid = Arc::new(data.parts.iter().map(|p| Rigid::new(p.joints())).collect());
+        let rigid = data.parts.iter().map(|p| p.rigid(&model.laden)).collect();
         Self { data, model, sizes, metric, system, squares, normal, modelled, rigid }
     }
 
@@ -171,7 +195,6 @@ impl<'a> Fit<'a> {
             return self;
         }
         (self.metric, self.system) = self.seen_beside(&sizes);
-        self.model.carry(self.data.twin, &self.system.x);
         self.squares = self.system.residual.squares();
         self.sizes = sizes;
         self
@@ -253,18 +276,10 @@ impl<'a> Fit<'a> {
 
     /// The same, kept for the next time where the effect does not depend on values of the model.
     pub fn raw_kept(&self, candidate: Candidate, nonlinear: &[f64]) -> Arc<Vec<Raw>> {
-        let effect = candidate.effect;
-        if effect.follows_drive() {
+        if follows(&self.model, candidate) {
             return Arc::new(self.raw(candidate, nonlinear));
         }
-        let senses = self.model.causes.iter().filter(|t| t.candidate.senses());
-        let sensors: Vec<_> = senses.map(|t| (t.candidate, &t.nonlinear)).collect();
-        let load = match effect.depends_on_load() {
-            true => format!("{:?}", self.model.laden.bodies.iter().map(|b| b.inertia).collect::<Vec<_>>()),
-            false => String::new(),
-        };
-        let recording = candidate.recording;
-        let key = format!("{candidate:?} {recording:?} {nonlinear:?} {sensors:?} {load}");
+        let key = key(&self.model, candidate, nonlinear);
         self.data.kept(&key, |p| self.blocks(p, candidate, nonlinear))
     }
 
@@ -276,7 +291,7 @@ impl<'a> Fit<'a> {
     /// The motion of a recording as felt by the arm with its causes.
     fn motion_of(&self, p: usize) -> Motion<'_> {
         let (observed, laden) = (self.data.parts[p], &self.model.laden);
-        let rigid = Some(observed.rigid(laden).unwrap_or(&self.rigid[p]));
+        let rigid = Some(&*self.rigid[p]);
         Motion { known: Some(&self.modelled[p]), rigid, ..observed.motion(laden) }
     }
 
@@ -372,33 +387,44 @@ fn pushing(model: &Model, system: &System) -> Vec<usize> {
 /// Standard deviations of all linear parameters: unknown where the twin leaves them open.
 fn priors(data: &Data<'_>, model: &Model, columns: &[Raw]) -> Vec<f64> {
     let open: usize = model.open.iter().map(|t| t.candidate.linear()).sum();
-    let of = |(i, column): (usize, &Raw)| match i < open {
-        true => f64::INFINITY,
-        false => expected(data, column),
-    };
-    columns.iter().enumerate().map(of).collect()
+    let mut all = vec![f64::INFINITY; open];
+    let mut rest = &columns[open..];
+    for term in &model.causes {
+        let (own, others) = rest.split_at(term.candidate.linear());
+        all.extend(expected(data, term.candidate, own));
+        rest = others;
+    }
+    all
 }
 
-/// The value at which a column's torque is as large as effects are expected to be, at the joint where
-/// that is reached first.
-pub fn expected(data: &Data<'_>, column: &Raw) -> f64 {
-    let relative = |j: usize| match column.rows.touches(j) {
-        true => {
-            let rows = column.rows.joint(j);
-            let square: f64 = crate::kernels::dot(rows, rows);
-            let acting = rows.iter().filter(|v| **v != 0.0).count().max(1) as f64;
-            (square / acting).sqrt() / data.rated[j]
-        }
-        false => 0.0,
+/// How large the linear parameters of a candidate with these columns are expected to be, standard
+/// deviations: as its effect says; else as gives the torque that effects are expected to have, at the
+/// joint where that is reached first.
+pub fn expected(data: &Data<'_>, candidate: Candidate, columns: &[Raw]) -> Vec<f64> {
+    let joint = if let Place::Joint(j) = candidate.place { j } else { 0 };
+    let known = candidate.effect.expected(&data.twin.robot, joint);
+    let of = |column: &Raw| {
+        let relative = |j: usize| match column.rows.touches(j) {
+            true => {
+                let rows = column.rows.joint(j);
+                let square: f64 = crate::kernels::dot(rows, rows) / data.shares[j];
+                let acting = rows.iter().filter(|v| **v != 0.0).count().max(1) as f64;
+                (square / acting).sqrt() / data.rated[j]
+            }
+            false => 0.0,
+        };
+        let largest = (0..data.joints()).map(relative).fold(0.0, f64::max);
+        if largest > 0.0 { EXPECTED_SHARE / largest } else { 1.0 }
     };
-    let largest = (0..data.joints()).map(relative).fold(0.0, f64::max);
-    if largest > 0.0 { EXPECTED_SHARE / largest } else { 1.0 }
+    match known.len() == columns.len() && !known.is_empty() {
+        true => known,
+        false => columns.iter().map(of).collect(),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::candidate::Place;
     use crate::effects::find;
     use crate::twin::Twin;
     use crate::diagnosis::floor::noise_floor;

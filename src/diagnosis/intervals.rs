@@ -4,6 +4,7 @@
 //! searched (their columns by central differences), in the metric of the discrepancy, rows counted by
 //! what is independent in what it leaves. The ends of a window of time are told otherwise (`windows`).
 
+use super::candidate::Extent;
 use super::fit::Fit;
 use super::{Value, slow, windows};
 use crate::effects::{Parameter, Role};
@@ -30,7 +31,8 @@ pub fn values(fit: &Fit<'_>) -> Vec<Vec<Value>> {
 
 /// The same of a fit as it is.
 pub(super) fn of_fit(fit: &Fit<'_>) -> Vec<Vec<Value>> {
-    let (system, places) = information(fit);
+    let (systems, places) = information(fit);
+    let variance = |column: usize| variance(&systems, column);
     let wide = normal_quantile(1.0 - LEVEL);
     let cause = |i: usize| {
         let values = fit.values(i);
@@ -42,7 +44,7 @@ pub(super) fn of_fit(fit: &Fit<'_>) -> Vec<Vec<Value>> {
             windows.as_ref()?.iter().find(at).map(|(_, ends)| *ends)
         };
         let value = |(k, (p, value)): (usize, (&Parameter, f64))| {
-            let half = places[i][k].map_or(0.0, |column| wide * system.variance(column).sqrt());
+            let half = places[i][k].map_or(0.0, |column| wide * variance(column).sqrt());
             let [low, high] = window(k).unwrap_or([value - half, value + half]);
             let [min, max] = candidate.range(k, fit.data.twin);
             let near = 1e-3 * (max - min).min(1e6);
@@ -68,7 +70,7 @@ type Places = Vec<Vec<Option<usize>>>;
 
 /// On all parameters, and where they are. What a bound holds at zero is as uncertain as the rest, and
 /// makes the rest as uncertain.
-fn information(fit: &Fit<'_>) -> (System, Places) {
+fn information(fit: &Fit<'_>) -> (Systems, Places) {
     let mut columns = fit.free_columns();
     let mut places = Vec::new();
     for (i, term) in fit.model.causes.iter().enumerate() {
@@ -87,12 +89,42 @@ fn information(fit: &Fit<'_>) -> (System, Places) {
         places.push(of_cause);
     }
     let shares = independent(fit);
-    let weights = fit.system.weights.iter().zip(shares).map(|(w, s)| w * s).collect();
+    let weights: Vec<f64> = fit.system.weights.iter().zip(shares).map(|(w, s)| w * s).collect();
     let mut priors = fit.system.priors.clone();
     priors.resize(columns.len(), f64::INFINITY);
     let normal = Normal::new(columns, fit.predicted(&fit.model));
-    (System::solve(&normal, &fit.metric, weights, priors), places)
+    let solve = |without: Option<usize>| {
+        let here = |(j, w): (usize, &f64)| if without == Some(j) { 0.0 } else { *w };
+        let weights = weights.iter().enumerate().map(here).collect();
+        System::solve(&normal, &fit.metric, weights, priors.clone())
+    };
+    let several = fit.model.causes.iter().any(|t| t.candidate.extent() == Extent::Several);
+    let joints = if several { fit.data.joints() } else { 0 };
+    let moving = (0..joints).filter(|j| fit.data.rows(*j) > 0);
+    let without = moving.map(|j| solve(Some(j))).collect();
+    (Systems { all: solve(None), without }, places)
 }
+
+/// Steps of all parameters from all joints, and from all but one.
+struct Systems {
+    all: System,
+    without: Vec<System>,
+}
+
+/// What the information gives, or what it comes to when one joint after the other is left out, where that
+/// is more: the parameters of a load are wrong by what any joint's scale and links are (the jackknife:
+/// Efron, "The jackknife, the bootstrap and other resampling plans", 1982, section 3).
+fn variance(systems: &Systems, column: usize) -> f64 {
+    let Systems { all, without } = systems;
+    let own = all.variance(column);
+    let n = without.len() as f64;
+    let told = |s: &&System| s.variance(column) < UNTOLD * own;
+    let moved = without.iter().filter(told).map(|s| (s.x[column] - all.x[column]).powi(2));
+    own.max((n - 1.0) / n.max(1.0) * moved.sum::<f64>())
+}
+
+/// Times the variance from all joints, from which on the others do not tell a parameter.
+const UNTOLD: f64 = 100.0;
 
 /// Of the rows of each joint, the share that is independent in what model and discrepancy leave, over
 /// that by which they count already.

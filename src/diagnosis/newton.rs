@@ -38,7 +38,7 @@ pub fn descend(fit: &Fit<'_>, mut best: Trial) -> Trial {
 fn step(fit: &Fit<'_>, best: &Trial, free: &[usize]) -> Option<Trial> {
     let ends: Vec<[f64; 2]> = free.iter().map(|&i| neighbours(best, i)).collect();
     let raw = fit.raw(best.candidate, &best.nonlinear);
-    let mut expected = priors(fit, &raw);
+    let mut expected = priors(fit, best.candidate, &raw);
     let mut columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &fit.metric)).collect();
     columns.extend(free.iter().zip(&ends).map(|(&i, ends)| slope(fit, best, i, *ends)));
     expected.resize(columns.len(), f64::INFINITY);

@@ -1,6 +1,6 @@
 //! A recording as it is searched: the recorded torque, where it counts, and how noisy it is.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex};
 
 use super::DiagnosisError;
@@ -31,11 +31,19 @@ pub struct Observed<'a> {
     pub known: JointSeries,
     /// Columns that a search comes back to.
     kept: Mutex<HashMap<String, Arc<Vec<Blocks>>>>,
+    series: Mutex<HashMap<String, Arc<Series>>>,
     filter: Option<Decimator>,
-    /// The twin's robot with what it is known to carry, and its torque.
-    laden: Robot,
-    rigid: Rigid,
+    /// The arm with what it was last said to carry, and its torque along this motion.
+    rigid: Mutex<VecDeque<(Robot, Arc<Rigid>)>>,
 }
+
+/// Columns over all samples, joint by joint.
+pub type Series = Vec<Vec<Vec<f64>>>;
+
+/// Series that are kept, of some MB each.
+const MOST_SERIES: usize = 200;
+/// Loads whose torque is kept.
+const LOADS: usize = 8;
 
 impl<'a> Observed<'a> {
     /// # Errors
@@ -62,10 +70,9 @@ impl<'a> Observed<'a> {
         }
         let known = twin.torque(&twin.motion(samples));
         let torque = Blocks::default();
-        let (laden, rigid) = (twin.laden(), Rigid::new(samples.joints()));
-        let kept = Mutex::default();
+        let (kept, series, rigid) = (Mutex::default(), Mutex::default(), Mutex::default());
         let mut observed =
-            Self { index, twin, samples, rows, sigma, torque, known, kept, filter, laden, rigid };
+            Self { index, twin, samples, rows, sigma, torque, known, kept, series, filter, rigid };
         let torque = |j| observed.block(j, samples.torque.joint(j));
         observed.torque = Blocks((0..samples.joints()).map(torque).collect());
         Ok(observed)
@@ -80,9 +87,16 @@ impl<'a> Observed<'a> {
         Motion { robot, ..self.twin.motion(self.samples) }
     }
 
-    /// What is kept of the rigid arm's torque along this motion, if `robot` is the one it is of.
-    pub fn rigid(&self, robot: &Robot) -> Option<&Rigid> {
-        (*robot == self.laden).then_some(&self.rigid)
+    /// The rigid arm's torque along this motion, kept for the next candidate.
+    pub fn rigid(&self, robot: &Robot) -> Arc<Rigid> {
+        let Ok(mut all) = self.rigid.lock() else { return Arc::new(Rigid::new(self.joints())) };
+        if let Some((_, known)) = all.iter().find(|(r, _)| r == robot) {
+            return known.clone();
+        }
+        let rigid = Arc::new(Rigid::new(self.joints()));
+        all.truncate(LOADS - 1);
+        all.push_front((robot.clone(), rigid.clone()));
+        rigid
     }
 
     /// Columns by all that they depend on, worked out once.
@@ -95,6 +109,21 @@ impl<'a> Observed<'a> {
             kept.insert(key.into(), columns.clone());
         }
         columns
+    }
+
+    /// Series by all that they depend on, worked out once.
+    pub fn series(&self, key: &str, work_out: impl FnOnce() -> Series) -> Arc<Series> {
+        if let Some(series) = self.series.lock().ok().and_then(|kept| kept.get(key).cloned()) {
+            return series;
+        }
+        let series = Arc::new(work_out());
+        if let Ok(mut kept) = self.series.lock() {
+            if kept.len() >= MOST_SERIES {
+                kept.clear();
+            }
+            kept.insert(key.into(), series.clone());
+        }
+        series
     }
 
     /// A series over all samples of a joint -> its rows, filtered as the torque is.

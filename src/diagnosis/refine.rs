@@ -81,8 +81,8 @@ pub fn linear_bounds(candidate: Candidate, twin: &Twin) -> Bounds {
 }
 
 /// What is expected of the linear parameters, standard deviations.
-pub fn priors(fit: &Fit<'_>, columns: &[Raw]) -> Vec<f64> {
-    columns.iter().map(|c| expected(fit.data, c)).collect()
+pub fn priors(fit: &Fit<'_>, candidate: Candidate, columns: &[Raw]) -> Vec<f64> {
+    expected(fit.data, candidate, columns)
 }
 
 /// The trial at other nonlinear parameters.
@@ -97,7 +97,7 @@ pub fn evaluate(fit: &Fit<'_>, trial: &Trial, nonlinear: Vec<f64>) -> Trial {
 fn with_columns(fit: &Fit<'_>, at: Trial) -> Trial {
     let raw = fit.raw(at.candidate, &at.nonlinear);
     let columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &fit.metric)).collect();
-    let projected = fit.system.project(&columns, &priors(fit, &raw));
+    let projected = fit.system.project(&columns, &priors(fit, at.candidate, &raw));
     let (linear, gain) = projected.solve(&linear_bounds(at.candidate, fit.data.twin));
     Trial { linear: linear.as_slice().to_vec(), gain, most: most(fit, &columns), ..at }
 }

@@ -119,7 +119,7 @@ impl Frame {
         if touched.is_empty() {
             return (vec![0.0; columns.len()], f64::NEG_INFINITY);
         }
-        let priors = priors(fit, raw);
+        let priors = priors(fit, candidate, raw);
         let projected = self.system.project(&columns, &priors);
         let bounds = match candidate.senses() {
             true => crate::regression::bounds::Bounds::new(vec![0.0], vec![f64::INFINITY])

@@ -19,7 +19,7 @@ use super::screen::{Screened, screen};
 use super::Checked;
 
 /// Candidates that are refined and weighed in full: a screening is right to within a few.
-const WEIGHED: usize = 10;
+const WEIGHED: usize = 8;
 /// Of the best one's gain: what gains less at its own best start is not refined.
 const WORTH_REFINING: f64 = 0.2;
 /// Rounds of exchanging causes.
@@ -127,7 +127,7 @@ impl<'a> Search<'a> {
                 first = screened.iter().map(|s| (s.trial.candidate, s.gain)).collect();
             }
             let ranked = self.weigh(&last, screened, WEIGHED);
-            let (round, next) = self.added(&last, &ranked);
+            let (round, next) = self.added(&start, &last, &ranked);
             rounds.push(round);
             let Some(next) = next else { break };
             let fresh = next.model.causes[last.model.causes.len()..].iter();
@@ -149,7 +149,12 @@ impl<'a> Search<'a> {
 
     /// The best, and what is best at other joints where nothing that acts on several does better there:
     /// an arm's drives are alike, and lack the same.
-    fn added(&self, state: &Fit<'a>, ranked: &[Hypothesis<'a>]) -> (Round, Option<Fit<'a>>) {
+    fn added(
+        &self,
+        start: &Fit<'a>,
+        state: &Fit<'a>,
+        ranked: &[Hypothesis<'a>],
+    ) -> (Round, Option<Fit<'a>>) {
         let weighed = ranked
             .iter()
             .map(|h| Weighed {
@@ -164,7 +169,7 @@ impl<'a> Search<'a> {
             self.judge.as_ref().is_none_or(|judge| judge.agrees(&h.fit.model, last))
         };
         let enough = |h: &&Hypothesis<'a>| {
-            h.at_bound.is_none() && h.nats > self.criteria.least_nats && agrees(h)
+            h.at_bound.is_none() && self.worth(start, state, h) > self.criteria.least_nats && agrees(h)
         };
         let mut good = ranked.iter().filter(enough);
         let Some(best) = good.next() else {
@@ -197,6 +202,13 @@ impl<'a> Search<'a> {
             }
         };
         (Round { weighed, added: names }, Some(next))
+    }
+
+    /// Evidence that a hypothesis adds, as far as it can be trusted beside what was found where it acts.
+    fn worth(&self, start: &Fit<'a>, state: &Fit<'a>, h: &Hypothesis<'a>) -> f64 {
+        let gained = |j: usize| (state.ln_likelihood(j) - start.ln_likelihood(j)).max(0.0);
+        let before: f64 = self.touched(h.candidate()).into_iter().map(gained).sum();
+        self.criteria.trusted(before + h.nats) - self.criteria.trusted(before)
     }
 
     /// With the discrepancy at its most likely sizes at some joints.

@@ -50,6 +50,8 @@ pub struct Features {
     /// Of each feature.
     pub group: Vec<usize>,
     pub groups: usize,
+    /// Largest step of every group.
+    largest: Vec<u8>,
     /// D'D
     gram: DMatrix<f64>,
     known: Mutex<HashMap<Vec<u8>, Arc<JointMetric>>>,
@@ -81,6 +83,12 @@ impl JointMetric {
         all
     }
 
+    /// ln of the number of sizes, for every group that is there.
+    pub fn price(&self) -> f64 {
+        let there = self.steps.iter().filter(|s| **s > 0).count();
+        there as f64 * f64::from(STEPS).ln()
+    }
+
     /// Is no group there?
     pub fn is_plain(&self) -> bool {
         self.active.is_empty()
@@ -98,7 +106,13 @@ impl Features {
                 (gram[(i, k)], gram[(k, i)]) = (v, v);
             }
         }
-        Self { columns, group, groups, gram, known: Mutex::default() }
+        Self { columns, group, groups, largest: vec![STEPS; groups], gram, known: Mutex::default() }
+    }
+
+    /// With group `g` no larger than `most` times the standard deviation of e.
+    pub fn bounded(mut self, g: usize, most: f64) -> Self {
+        self.largest[g] = (1..=STEPS).rev().find(|s| size(*s) <= most).unwrap_or(0);
+        self
     }
 
     /// All columns times a factor.
@@ -186,7 +200,8 @@ impl<'a> Profile<'a> {
         Self { features, gram, products, rows, least }
     }
 
-    /// Log-likelihood at its best coefficients and variance, nats up to a constant.
+    /// Log-likelihood at its best coefficients and variance, nats up to a constant; each group that is
+    /// there costs what it is to have chosen its size among all.
     pub fn ln_likelihood(&self, steps: &[u8]) -> f64 {
         let metric = self.features.metric(steps);
         let taken: Vec<Vec<f64>> = self.products.iter().map(|p| metric.taken(p)).collect();
@@ -195,7 +210,7 @@ impl<'a> Profile<'a> {
             self.gram[(i, k)] - kernels::dot(&taken[i], &taken[k])
         });
         let left = remaining(&gram);
-        ln_likelihood(left, self.rows, self.least) - 0.5 * metric.ln_det
+        ln_likelihood(left, self.rows, self.least) - 0.5 * metric.ln_det - metric.price()
     }
 
     /// The most likely sizes, by coordinate ascent over the grid from `from`; a group that is absent
@@ -229,7 +244,8 @@ impl<'a> Profile<'a> {
         let now = best[g];
         if now == 0 {
             // Small, medium and large: from one of them the climb goes on.
-            if !ENTRIES.iter().any(|&step| try_step(step, best)) {
+            let most = self.features.largest[g];
+            if !ENTRIES.iter().any(|&step| step <= most && try_step(step, best)) {
                 return;
             }
         } else if now > 1 && try_step(0, best) {
@@ -237,7 +253,7 @@ impl<'a> Profile<'a> {
         }
         for direction in [-1i8, 1] {
             while let Some(step) = best[g].checked_add_signed(direction) {
-                if step > STEPS || !try_step(step, best) {
+                if step > self.features.largest[g] || !try_step(step, best) {
                     break;
                 }
             }
@@ -319,7 +335,10 @@ mod tests {
             let rest = &y - &x * b;
             let left = (rest.transpose() * &inverse * &rest)[0];
             let n = ROWS as f64;
-            let exact = -0.5 * (n * (left / n).ln() + n + covariance.determinant().ln());
+            let there = steps.iter().filter(|s| **s > 0).count() as f64;
+            let price = there * f64::from(STEPS).ln();
+            let exact =
+                -0.5 * (n * (left / n).ln() + n + covariance.determinant().ln()) - price;
             let found = profile.ln_likelihood(&steps);
             assert!((found - exact).abs() < 1e-6, "{steps:?}: {found} {exact}");
         }
