@@ -31,6 +31,8 @@ fn truth(kind: Kind, effects: &[Named]) -> Truth {
         family: String::new(),
         noise_nm: vec![],
         third: false,
+        recordings: Vec::new(),
+        base: None,
         made: serde_json::Value::Null,
     }
 }
