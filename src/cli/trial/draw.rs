@@ -29,7 +29,8 @@ pub struct Args {
     /// Folder for the cases; it must not hold a trial
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// How many [default: 420; with --on every effect at every strength once, and the untouched pairs]
+    /// How many; with --on those with a graft, untouched pairs come on top [default: 420; with --on every
+    /// effect at every strength once]
     #[arg(long, value_name = "N", conflicts_with = "from")]
     cases: Option<usize>,
     /// Of everything that is drawn

@@ -5,6 +5,8 @@ mod agreement;
 mod figures;
 mod found;
 mod page;
+#[cfg(test)]
+mod tests;
 
 pub use agreement::agreement;
 pub use figures::goals;
