@@ -21,10 +21,10 @@ cases/sealed/ and the SHA-256 of every sealed file into cases/seals.json. The sa
 same cases.
 
 With --on, known effects are grafted onto recordings of your own arm: what an effect asks of the
-drive along the recorded motion is added to the recorded current or torque, so that noise, masses and
-everything else the twin lacks are those of the arm. Every ordered pair of the recordings is a case
-of its own as well, untouched. Strength: torque of the effect that the twin cannot fit away, over what
-the twin leaves of the untouched recording.")]
+drive along the recorded motion is added to the recorded current or torque, so that noise, masses
+and all else that the twin lacks are those of the arm. Every ordered pair of the recordings is a
+case of its own as well, untouched. Strength: torque of the effect that the twin cannot fit away,
+over what the twin leaves of the untouched recording.")]
 pub struct Args {
     /// Folder for the cases; it must not hold a trial
     #[arg(long, value_name = "DIR")]

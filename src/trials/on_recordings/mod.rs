@@ -6,6 +6,9 @@
 //! ordered pair of recordings is a case of its own too, untouched: its answer is the base line
 //! that answers to grafted pairs are held against. Effects that inverse dynamics cannot show are
 //! left out, and so are those that the twin fits anyway.
+//!
+//! A graft is worked out by the law that explains it: this shows what real noise and a wrong twin do to
+//! an answer. Whether the laws are right is for cases that rapier or others make.
 
 mod foreign;
 mod graft;
