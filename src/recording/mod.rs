@@ -8,6 +8,7 @@ mod error;
 mod file;
 mod format;
 mod guard;
+mod halves;
 pub mod inspection;
 mod mapped_csv;
 mod movement_folder;

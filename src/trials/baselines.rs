@@ -8,6 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
+use super::projection::{add_to, dot, without};
 use crate::diagnosis::{Named, Settings};
 use crate::effects::{CATALOGUE, Effect, Motion, Role, Scope, Seen};
 use crate::signals::Samples;
@@ -120,11 +121,7 @@ impl<'a> Residual<'a> {
             for effect in twin.open().filter(|e| e.about().scope == Scope::Joint) {
                 let typical = typical(effect);
                 for column in effect.columns(&motion, joint, &typical) {
-                    let column = without(&open, take(&column));
-                    let length = dot(&column, &column).sqrt();
-                    if length > 1e-9 {
-                        open.push(column.iter().map(|x| x / length).collect());
-                    }
+                    add_to(&mut open, take(&column));
                 }
             }
             let difference = samples.torque.joint(joint).iter().zip(known.joint(joint));
@@ -211,17 +208,4 @@ fn scores(
 fn typical(effect: &dyn Effect) -> Vec<f64> {
     let parameters = effect.about().parameters.iter();
     parameters.filter(|p| p.role == Role::Nonlinear).map(|p| p.typical).collect()
-}
-
-/// What of `x` is orthogonal to the orthonormal columns `open`.
-fn without(open: &[Vec<f64>], mut x: Vec<f64>) -> Vec<f64> {
-    for column in open {
-        let along = dot(column, &x);
-        x.iter_mut().zip(column).for_each(|(x, c)| *x -= along * c);
-    }
-    x
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -157,6 +157,8 @@ fn write(
         family: if how.nuisance { "nuisance" } else { "standard" }.into(),
         noise_nm: hiding.noise(fit),
         third: true,
+        recordings: Vec::new(),
+        base: None,
         made: serde_json::json!({
             "draw": how,
             "attempt": attempt,

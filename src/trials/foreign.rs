@@ -15,12 +15,17 @@ pub fn find(name: &str) -> Option<&'static dyn Effect> {
     FOREIGN.iter().copied().find(|e| e.about().name == name)
 }
 
-const fn parameter(name: &'static str, unit: &'static str, max: f64, typical: f64) -> Parameter {
+pub(super) const fn parameter(
+    name: &'static str,
+    unit: &'static str,
+    max: f64,
+    typical: f64,
+) -> Parameter {
     let role = Role::Nonlinear;
     Parameter { name, symbol: name, unit, min: -max, max, typical, null: 0.0, role }
 }
 
-const fn about(
+pub(super) const fn about(
     name: &'static str,
     law: &'static str,
     scope: Scope,

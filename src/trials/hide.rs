@@ -108,7 +108,7 @@ impl Hiding {
         };
         let torque = self.baseline(&along);
         let ground = Ground {
-            planned,
+            q: &planned.q,
             torque: &torque,
             coulomb: &self.friction[0],
             duration_s: self.scenario.motion.duration_s,

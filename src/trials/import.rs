@@ -136,6 +136,8 @@ fn truth(case: &str, file: &Path, names: &Names, dof: usize) -> Result<Truth, Tr
         family: "elsewhere".into(),
         noise_nm: Vec::new(),
         third: false,
+        recordings: Vec::new(),
+        base: None,
         made,
     })
 }

@@ -1,6 +1,7 @@
 //! Blind trials: cases with sealed labels, answers given without them, and what they are worth.
 //!
-//! [`draw()`] makes cases in rapier, [`import()`] takes cases made elsewhere. A case folder
+//! [`draw()`] makes cases in rapier, [`draw_on()`] grafts effects onto somebody's own recordings,
+//! [`import()`] takes cases made elsewhere. A case folder
 //! holds what the answerer may see: two recordings, the nominal twin, settings. What is hidden lies
 //! in `sealed/` beside the case folders, and `seals.json` publishes the hash of every file there:
 //! [`score()`] refuses a truth that does not match. [`answer()`] is given a case folder and nothing
@@ -19,7 +20,9 @@ mod foreign;
 mod hide;
 mod import;
 mod nuisance;
+mod on_recordings;
 mod plan;
+mod projection;
 mod score;
 mod seal;
 mod shapes;
@@ -33,6 +36,7 @@ pub use case::{Case, case_folders};
 pub use draw::{Draw, draw};
 pub use error::TrialError;
 pub use import::{Names, import};
-pub use score::{Chapter, Goal, Judged, Share, goals, judge, page, score};
+pub use on_recordings::{DrawOn, Sources, draw_on};
+pub use score::{Chapter, Goal, Judged, Printed, Share, goals, judge, page, score};
 pub use seal::{Seals, sha256, write_json};
 pub use truth::{Hidden, Kind, Strength, TrueValue, Truth};

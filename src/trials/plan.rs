@@ -37,7 +37,7 @@ pub struct Plan {
 pub fn plans(cases: usize, only: &[String], rng: &mut ChaCha8Rng) -> Result<Vec<Plan>, TrialError> {
     refuse_unknown(only)?;
     let kinds: Vec<Kind> =
-        Kind::ALL.into_iter().filter(|k| only.iter().any(|o| o == k.name())).collect();
+        Kind::SIMULATED.into_iter().filter(|k| only.iter().any(|o| o == k.name())).collect();
     let wanted = |k: Kind| kinds.is_empty() || kinds.contains(&k);
     let pools: Vec<(usize, Vec<Plan>)> = PARTS
         .into_iter()
@@ -57,7 +57,7 @@ pub fn plans(cases: usize, only: &[String], rng: &mut ChaCha8Rng) -> Result<Vec<
 
 fn refuse_unknown(only: &[String]) -> Result<(), TrialError> {
     let effects = || CATALOGUE.iter().chain(FOREIGN).map(|e| e.about().name);
-    let kinds = || Kind::ALL.into_iter().map(Kind::name);
+    let kinds = || Kind::SIMULATED.into_iter().map(Kind::name);
     match only.iter().find(|o| !effects().chain(kinds()).any(|n| n == o.as_str())) {
         None => Ok(()),
         Some(name) => {
@@ -96,12 +96,13 @@ fn pool(kind: Kind, only: &[String], rng: &mut ChaCha8Rng) -> Vec<Plan> {
             .map(|name| Plan { kind, effects: vec![(name, None)] })
             .collect(),
         Kind::Pair => pairs(&names(&seen), rng),
+        Kind::Untouched | Kind::Grafted | Kind::GraftedForeign => vec![],
     }
 }
 
 /// Round after round of all effects, each round in another order and each effect at a strength it
 /// has not had yet.
-fn graded(
+pub(super) fn graded(
     kind: Kind,
     names: &[&'static str],
     strengths: &[f64],

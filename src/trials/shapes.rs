@@ -6,13 +6,13 @@ use rand_chacha::ChaCha8Rng;
 
 use super::foreign;
 use crate::effects::{self, Effect, Scope};
-use crate::motion::Sampled;
 use crate::series::JointSeries;
 use crate::simulation::Injection;
 
 /// What the shape of an effect may depend on.
 pub struct Ground<'a> {
-    pub planned: &'a Sampled,
+    /// Angles it is planned to pass, rad.
+    pub q: &'a JointSeries,
     /// Torque of the arm without the effect along it, N.m.
     pub torque: &'a JointSeries,
     /// Coulomb friction of every joint, N.m.
@@ -222,7 +222,7 @@ fn proportions(
             (vec![1.0, start, rng.random_range(0.25..0.4) * ground.duration_s], factor(&[0], 20.0))
         }
         "rubbing" => {
-            let angle = *ground.planned.q.joint(joint).choose(rng).unwrap_or(&0.0);
+            let angle = *ground.q.joint(joint).choose(rng).unwrap_or(&0.0);
             (vec![1.0, angle, rng.random_range(0.2..0.5)], factor(&[0], 20.0))
         }
         "wandering_gain" => (

@@ -66,7 +66,7 @@ fn by_channels(injection: &Injection, motion: &Motion<'_>, torque: &JointSeries)
 /// Sample by sample, as in a simulation.
 fn stepped(injection: &Injection, motion: &Motion<'_>) -> JointSeries {
     let (dof, samples) = (motion.q.joints(), motion.samples());
-    let load = motion.rigid_torque();
+    let load = motion.drive_torque();
     let mut own = JointSeries::zeros(dof, samples);
     let mut memory = vec![vec![0.0; injection.effect.about().memory]; injection.joints.len()];
     let mut now = [(); 3].map(|()| vec![0.0; dof]);

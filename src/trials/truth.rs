@@ -23,11 +23,20 @@ pub enum Kind {
     Foreign,
     /// An effect that inverse dynamics cannot see: no gap in the torque.
     Unseen,
+    /// Recordings of somebody's arm as they are: what they lack, nobody knows.
+    Untouched,
+    /// One effect of the catalogue on top of recordings of somebody's arm.
+    Grafted,
+    /// The same with an effect no catalogue entry describes.
+    GraftedForeign,
 }
 
 impl Kind {
-    pub const ALL: [Self; 6] =
+    /// Of cases that are simulated.
+    pub const SIMULATED: [Self; 6] =
         [Self::Clean, Self::Single, Self::Pair, Self::Withheld, Self::Foreign, Self::Unseen];
+    /// Of cases on somebody's own recordings.
+    pub const ON_RECORDINGS: [Self; 3] = [Self::Untouched, Self::Grafted, Self::GraftedForeign];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -37,6 +46,9 @@ impl Kind {
             Self::Withheld => "withheld",
             Self::Foreign => "foreign",
             Self::Unseen => "unseen",
+            Self::Untouched => "untouched",
+            Self::Grafted => "grafted",
+            Self::GraftedForeign => "grafted_foreign",
         }
     }
 }
@@ -50,12 +62,19 @@ pub struct Truth {
     pub kind: Kind,
     /// Beyond what the twin knows of.
     pub effects: Vec<Hidden>,
-    /// `standard` (exact link masses, white noise) or `nuisance`, or where the case came from.
+    /// `standard` (exact link masses, white noise), `nuisance` or `recordings`, or where the case
+    /// came from.
     pub family: String,
     /// Standard deviation of the noise on each joint's torque, N.m; empty where not known.
     pub noise_nm: Vec<f64>,
     /// Is there a noise-free third recording beside this file?
     pub third: bool,
+    /// Somebody's own recordings the case is made of, to fit and to check.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recordings: Vec<String>,
+    /// The case that holds the same recordings untouched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<String>,
     /// Everything else that made it: seeds, scenario, nuisance.
     pub made: serde_json::Value,
 }

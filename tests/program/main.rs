@@ -28,6 +28,7 @@ mod shell;
 mod simulate;
 mod study;
 mod trial;
+mod trial_on_recordings;
 
 use std::process::Command;
 

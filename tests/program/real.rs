@@ -14,7 +14,7 @@ const UR5: &str = "kkufieta-ur5_modeling_force_estimate";
 const LOAD_KG: f64 = 2.805;
 
 /// A folder of recordings.
-fn recordings(folder: &str) -> Option<PathBuf> {
+pub fn recordings(folder: &str) -> Option<PathBuf> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
     let root = std::env::var_os("ARMTWIN_SHARED").map_or_else(beside, PathBuf::from);
     let found = root.join("recordings").join(folder);

@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 
 use crate::cli::conditioning::ConditioningArgs;
 use crate::diagnosis::conditioning;
-use crate::recording::{Channel, Provenance, Recording};
+use crate::recording::Recording;
 use crate::signals::{Conditioning, Samples, condition as to_samples};
 use crate::twin::Twin;
 
@@ -14,23 +14,6 @@ use crate::twin::Twin;
 pub struct Recorded {
     pub recording: Recording,
     pub samples: Samples,
-}
-
-/// The first and the second half of a recording, for want of another one.
-pub fn halves(recording: &Recording) -> [Recording; 2] {
-    let n = recording.time.len();
-    [("first half", 0..n / 2), ("second half", n / 2..n)].map(|(which, rows)| {
-        let part =
-            |c: &Channel| Channel { name: c.name.clone(), values: c.values[rows.clone()].to_vec() };
-        Recording {
-            time: recording.time[rows.clone()].to_vec(),
-            channels: recording.channels.iter().map(part).collect(),
-            provenance: Provenance {
-                source: format!("{}, {which}", recording.provenance.source),
-                ..recording.provenance.clone()
-            },
-        }
-    })
 }
 
 /// Both conditioned alike.
@@ -88,20 +71,17 @@ pub fn refuse_same_samples([fit, check]: &[Recording; 2]) -> anyhow::Result<()> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::{Channel, Provenance};
 
     #[test]
-    fn halves_part_a_recording_without_losing_a_row() {
+    fn a_recording_does_not_decide_on_itself() {
         let values: Vec<f64> = (0..11).map(f64::from).collect();
         let whole = Recording {
             time: values.clone(),
-            channels: vec![Channel { name: "actual_q_0".into(), values: values.clone() }],
-            provenance: Provenance { source: "log.csv".into(), ..Provenance::default() },
+            channels: vec![Channel { name: "actual_q_0".into(), values }],
+            provenance: Provenance::default(),
         };
-        let [first, second] = halves(&whole);
-        assert_eq!([first.time.clone(), second.time.clone()].concat(), values);
-        assert_eq!(second.channels[0].values, second.time);
-        assert_eq!(second.provenance.source, "log.csv, second half");
-        assert!(refuse_same_samples(&[first, second]).is_ok());
+        assert!(refuse_same_samples(&whole.halves()).is_ok());
         assert!(refuse_same_samples(&[whole.clone(), whole]).is_err());
     }
 }

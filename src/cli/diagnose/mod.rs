@@ -190,7 +190,7 @@ impl Args {
     /// To search on and to decide on.
     fn recordings(&self) -> anyhow::Result<[Recording; 2]> {
         let read = |path: &Path| crate::recording::read(path, self.columns.as_deref());
-        let Some(check) = &self.check else { return Ok(load::halves(&read(&self.fit)?)) };
+        let Some(check) = &self.check else { return Ok(read(&self.fit)?.halves()) };
         load::refuse_same_file(&self.fit, check)?;
         let both = [read(&self.fit)?, read(check)?];
         load::refuse_same_samples(&both)?;

@@ -9,7 +9,7 @@ pub enum Following {}
 pub enum Delivery {}
 
 #[derive(Default)]
-pub struct Deliveries;
+pub struct Deliveries {}
 
 impl StreamArgs {
     pub fn open(&self) -> anyhow::Result<Option<Link>> {

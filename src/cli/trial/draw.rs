@@ -1,43 +1,66 @@
 //! `armtwin trial draw`: cases with sealed labels.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 
 use super::{on_threads, progress};
 use crate::cli::save;
-use crate::trials::{Draw, Names, draw, import};
+use crate::diagnosis::Settings;
+use crate::trials::{Draw, DrawOn, Names, Seals, Sources, draw, draw_on, import};
+use crate::twin::Twin;
 
-/// Make cases with sealed labels, or take cases made elsewhere
+/// Make cases with sealed labels, by simulation or on your own recordings, or take cases made elsewhere
 #[derive(clap::Args)]
 #[command(after_help = "Example: armtwin trial draw --cases 420 --seed 1 --out cases
+         armtwin trial draw --on monday.csv tuesday.csv --twin twin.toml --out cases
          armtwin trial draw --from practice --out cases
 
 Writes cases/case-0000/{fit.csv.gz, check.csv.gz, twin.toml, settings.toml}, what is hidden into
 cases/sealed/ and the SHA-256 of every sealed file into cases/seals.json. The same seed gives the
-same cases.")]
+same cases.
+
+With --on, known effects are grafted onto recordings of your own arm: what an effect asks of the
+drive along the recorded motion is added to the recorded current or torque, so that noise, masses
+and all else that the twin lacks are those of the arm. Every ordered pair of the recordings is a
+case of its own as well, untouched. Strength: torque of the effect that the twin cannot fit away,
+over what the twin leaves of the untouched recording.")]
 pub struct Args {
     /// Folder for the cases; it must not hold a trial
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// How many
-    #[arg(long, value_name = "N", default_value_t = 420, conflicts_with = "from")]
-    cases: usize,
+    /// How many; with --on those with a graft, untouched pairs come on top [default: 420; with --on every
+    /// effect at every strength once]
+    #[arg(long, value_name = "N", conflicts_with = "from")]
+    cases: Option<usize>,
     /// Of everything that is drawn
     #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "from")]
     seed: u64,
-    /// Only these kinds (clean, single, pair, withheld, foreign, unseen) or effects
+    /// Only these kinds (clean, single, pair, withheld, foreign, unseen; with --on untouched, grafted,
+    /// grafted_foreign) or effects
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "from")]
     only: Vec<String>,
     /// Link masses 5 % and centres 5 mm off, coloured noise, skewed channels
-    #[arg(long, conflicts_with = "from")]
+    #[arg(long, conflicts_with_all = ["from", "on"])]
     nuisance: bool,
     /// Length of the fit and the check recording, s
-    #[arg(long, value_name = "S", default_value_t = 48.0, conflicts_with = "from")]
+    #[arg(long, value_name = "S", default_value_t = 48.0, conflicts_with_all = ["from", "on"])]
     duration: f64,
     /// Cases at a time [default: one per core]
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
+    /// Graft effects onto these recordings of one arm; one alone is cut in halves
+    #[arg(long, value_name = "RECORDING", num_args = 1.., requires = "twin", conflicts_with = "from")]
+    on: Vec<PathBuf>,
+    /// What is known of the arm of --on's recordings
+    #[arg(long, value_name = "FILE", requires = "on")]
+    twin: Option<PathBuf>,
+    /// What the columns of --on's recordings are, where their names do not say
+    #[arg(long, value_name = "MAP", requires = "on")]
+    columns: Option<PathBuf>,
+    /// How strong --on's effects are, over what the twin leaves [default: .5,1,2,4]
+    #[arg(long, value_name = "X,...", value_delimiter = ',', requires = "on")]
+    strengths: Vec<f64>,
     /// Take the labelled cases of this folder in place of simulating
     #[arg(long, value_name = "FOLDER")]
     from: Option<PathBuf>,
@@ -61,18 +84,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let out = out.display();
         bail!("{out} holds a trial or the rest of one; name another folder or remove it");
     }
-    let mut how = Draw::new(args.cases, args.seed, args.nuisance);
-    how.only.clone_from(&args.only);
-    how.duration_s = args.duration;
-    let told = &mut how.settings;
-    told.mass_error = args.mass_error.unwrap_or(told.mass_error);
-    told.centre_error_m = args.centre_error.unwrap_or(told.centre_error_m);
-    let seals = match &args.from {
-        Some(from) => {
+    let seals = match (&args.from, args.twin.as_deref()) {
+        (Some(from), _) => {
             let names = args.names.as_deref().map(Names::load).transpose()?.unwrap_or_default();
-            import(from, out, &names, &how.settings)?
+            import(from, out, &names, &args.simulated().settings)?
         }
-        None => {
+        (None, Some(twin)) if !args.on.is_empty() => args.on_recordings(twin)?,
+        _ => {
+            let how = args.simulated();
             let bar = progress(how.cases, "drawing");
             let seals = on_threads(args.jobs, || Ok(draw(&how, out, &|| bar.inc(1))?))?;
             bar.finish_and_clear();
@@ -87,3 +106,45 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     println!("{}: {cases} cases, sealed", out.display());
     Ok(())
 }
+
+impl Args {
+    fn simulated(&self) -> Draw {
+        let mut how = Draw::new(self.cases.unwrap_or(USUAL_CASES), self.seed, self.nuisance);
+        how.only.clone_from(&self.only);
+        how.duration_s = self.duration;
+        self.tell(&mut how.settings);
+        how
+    }
+
+    fn on_recordings(&self, twin: &Path) -> anyhow::Result<Seals> {
+        let usual = DrawOn::default();
+        let mut how = DrawOn {
+            cases: self.cases,
+            seed: self.seed,
+            only: self.only.clone(),
+            strengths: match self.strengths.is_empty() {
+                true => usual.strengths,
+                false => self.strengths.clone(),
+            },
+            settings: usual.settings,
+        };
+        self.tell(&mut how.settings);
+        let twin = Twin::load(twin)?;
+        let sources = Sources::read(&self.on, self.columns.as_deref()).context("--on")?;
+        let bar = progress(0, "drawing");
+        let begin = |cases: usize| bar.set_length(cases as u64);
+        let draw = || Ok(draw_on(&how, &twin, &sources, &self.out, &begin, &|| bar.inc(1))?);
+        let seals = on_threads(self.jobs, draw)?;
+        bar.finish_and_clear();
+        Ok(seals)
+    }
+
+    /// What the answerer is told, where the user says.
+    fn tell(&self, told: &mut Settings) {
+        told.mass_error = self.mass_error.unwrap_or(told.mass_error);
+        told.centre_error_m = self.centre_error.unwrap_or(told.centre_error_m);
+    }
+}
+
+/// Simulated, where nothing is said.
+const USUAL_CASES: usize = 420;

@@ -18,7 +18,7 @@ pub struct Args {
 
 #[derive(Subcommand)]
 enum Step {
-    Draw(draw::Args),
+    Draw(Box<draw::Args>),
     Answer(answer::Args),
     Score(score::Args),
 }

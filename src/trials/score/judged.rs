@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::super::truth::place;
-use super::{Answer, Kind, Truth};
+use super::{Answer, Kind, Printed, Truth};
 use crate::diagnosis::{Cause, Diagnosis, Named, Verdict};
 use crate::effects;
 use crate::trials::Method;
@@ -56,6 +56,17 @@ pub struct Judged {
     pub realised: Option<f64>,
     pub oracle: Option<f64>,
     pub baselines: Vec<JudgedBaseline>,
+    /// Every cause, in the order of the answer.
+    pub printed: Vec<Printed>,
+    /// Strength that was asked for.
+    pub drawn: Option<f64>,
+    /// Of cases on somebody's own recordings: which, and the case with the same pair untouched.
+    pub recordings: Vec<String>,
+    pub base: Option<String>,
+    /// Causes that are neither hidden nor named for the untouched pair, and whether what is hidden is
+    /// named there.
+    pub strays: Vec<Named>,
+    pub in_base: bool,
 }
 
 impl Judged {
@@ -129,6 +140,12 @@ pub fn judge(truth: &Truth, answer: &Answer) -> Judged {
         realised: None,
         oracle: None,
         baselines: baselines(answer, &hidden, dof),
+        printed: Vec::new(),
+        drawn: truth.effects.first().and_then(|e| e.strength.drawn),
+        recordings: truth.recordings.clone(),
+        base: truth.base.clone(),
+        strays: Vec::new(),
+        in_base: false,
         truth: hidden,
     };
     if let Some(diagnosis) = &answer.diagnosis {
@@ -183,15 +200,37 @@ fn hold(judged: &mut Judged, truth: &Truth, diagnosis: &Diagnosis, dof: usize) {
         Kind::Clean | Kind::Unseen => judged.silent,
         Kind::Withheld | Kind::Foreign => judged.abstained,
         Kind::Single | Kind::Pair => !nothing && judged.top1_set,
+        Kind::Grafted => judged.all_set,
+        // Nobody knows; and what holds for foreign ones follows from the pair untouched.
+        Kind::Untouched | Kind::GraftedForeign => false,
     };
     judged.probability = match (diagnosis.causes.first(), top) {
         (Some(cause), _) => cause.probability,
         (None, Some(top)) => top.probability,
         (None, None) => 0.0,
     };
+    judged.printed = printed(diagnosis, &sets, &judged.truth, truth.kind);
     judged.predicted = Some(diagnosis.shrink.torque.fraction);
     judged.reducible = Some(diagnosis.shrink.torque.reducible);
     judged.parameters = parameters(truth, diagnosis, dof);
+}
+
+/// Causes, and whether what they say is hidden.
+fn printed(
+    diagnosis: &Diagnosis,
+    sets: &[Vec<Named>],
+    hidden: &[Named],
+    kind: Kind,
+) -> Vec<Printed> {
+    let one = |(cause, set): (&Cause, &Vec<Named>)| {
+        let (named, equivalent) = (set[0].clone(), set[1..].to_vec());
+        let mut printed = Printed::new(named, equivalent, cause.probability, kind);
+        if printed.is_one_of(hidden) {
+            printed.holds = Some(true);
+        }
+        printed
+    };
+    diagnosis.causes.iter().zip(sets).map(one).collect()
 }
 
 /// Causes in their order, then the ranking.

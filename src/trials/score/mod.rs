@@ -1,16 +1,20 @@
 //! The seals opened: what the answers are worth.
 
 mod judged;
+mod on_recordings;
 mod page;
+mod printed;
 mod realised;
 mod rows;
 mod share;
 mod tables;
+mod tenths;
 #[cfg(test)]
 mod tests;
 
 pub use judged::{Judged, JudgedParameter, judge};
 pub use page::{Chapter, page};
+pub use printed::Printed;
 pub use rows::{Goal, goals};
 pub use share::Share;
 
@@ -41,9 +45,11 @@ pub fn score(dir: &Path, answers: &Path) -> Result<Vec<Judged>, TrialError> {
             let (realised, oracle) = realised::realised(&twin, &third, &truth, diagnosis);
             (judged.realised, judged.oracle) = (Some(realised), oracle);
         }
-        Ok(judged)
+        Ok::<_, TrialError>(judged)
     };
-    case_folders(dir)?.par_iter().map(one).collect()
+    let mut all: Vec<Judged> = case_folders(dir)?.par_iter().map(one).collect::<Result<_, _>>()?;
+    on_recordings::hold_against_base(&mut all);
+    Ok(all)
 }
 
 fn load(file: &Path) -> Result<Answer, TrialError> {

@@ -1,7 +1,6 @@
 //! The report page.
 
-use super::tables;
-use super::{Judged, Kind};
+use super::{Judged, Kind, on_recordings, tables, tenths};
 
 /// One trial of the page.
 #[derive(Debug, Clone)]
@@ -17,15 +16,20 @@ pub fn page(command: &str, chapters: &[Chapter]) -> String {
     let head = include_str!("page.md")
         .replace("{command}", command)
         .replace("{version}", env!("CARGO_PKG_VERSION"));
-    let chapters: Vec<String> = chapters.iter().map(chapter).collect();
-    format!("{head}\n{}", chapters.join("\n"))
+    let own = match chapters.iter().any(|c| on_recordings::are(&c.cases)) {
+        true => include_str!("on_recordings.md"),
+        false => "",
+    };
+    let texts: Vec<String> = chapters.iter().map(chapter).collect();
+    format!("{head}{own}\n{}\n{}", texts.join("\n"), tenths::section(chapters))
 }
 
 fn chapter(chapter: &Chapter) -> String {
     let all = &chapter.cases;
     let count = |kind: Kind| all.iter().filter(|j| j.kind == kind).count();
-    let kinds: Vec<String> = Kind::ALL
+    let kinds: Vec<String> = Kind::SIMULATED
         .into_iter()
+        .chain(Kind::ON_RECORDINGS)
         .map(|kind| (kind, count(kind)))
         .filter(|(_, n)| *n > 0)
         .map(|(kind, n)| format!("{n} {}", kind.name()))
@@ -43,7 +47,19 @@ fn chapter(chapter: &Chapter) -> String {
         kinds.join(", "),
         tables::goals_table(all),
     );
-    let parts = [
+    let parts = match on_recordings::are(all) {
+        true => on_recordings::parts(all),
+        false => parts(all),
+    };
+    for (title, table) in parts {
+        text += &format!("\n### {title}\n\n{table}");
+    }
+    text
+}
+
+/// Of simulated cases.
+fn parts(all: &[Judged]) -> Vec<(&'static str, String)> {
+    vec![
         ("By strength, single effects", tables::by_strength(all)),
         ("By effect, strength 1 and above", tables::by_effect(all)),
         ("Where no name is right", tables::without_a_name(all)),
@@ -53,9 +69,5 @@ fn chapter(chapter: &Chapter) -> String {
         ("Shrink of the mean square of the gap, medians", tables::shrink(all)),
         ("Simpler rules on the same cases", tables::baselines(all)),
         ("Not right", tables::missed(all)),
-    ];
-    for (title, table) in parts {
-        text += &format!("\n### {title}\n\n{table}");
-    }
-    text
+    ]
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Judged, JudgedParameter, Kind, Share};
+use super::{Judged, JudgedParameter, Kind, Share, on_recordings};
 
 /// Strengths cases are drawn at; others count to the nearest by ratio.
 pub const LEVELS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
@@ -73,6 +73,13 @@ pub fn of_oracle<'a>(cases: impl IntoIterator<Item = &'a Judged>) -> Vec<f64> {
 
 /// The figures of the project's goals.
 pub fn goals(all: &[Judged]) -> Vec<Goal> {
+    match on_recordings::are(all) {
+        true => on_recordings::goals(all),
+        false => of_simulated(all),
+    }
+}
+
+fn of_simulated(all: &[Judged]) -> Vec<Goal> {
     let (plain, clean) = (plain(all), of(all, Kind::Clean));
     let catalogue: Vec<&Judged> =
         all.iter().filter(|j| matches!(j.kind, Kind::Single | Kind::Pair)).collect();

@@ -285,7 +285,7 @@ fn list(names: &[Named]) -> String {
 }
 
 /// `payload`, `stribeck 2`
-fn said(named: &Named) -> String {
+pub fn said(named: &Named) -> String {
     let joints: Vec<String> = named.joints.iter().map(ToString::to_string).collect();
     format!("{} {}", named.effect, joints.join("+")).trim_end().to_string()
 }

@@ -9,11 +9,11 @@ use crate::diagnosis::{
 use crate::signals::Conditioning;
 use crate::trials::{Answer, BaselineAnswer, Hidden, Kind, Method, Strength, TrueValue, Truth};
 
-fn named(effect: &str, joints: &[usize]) -> Named {
+pub(super) fn named(effect: &str, joints: &[usize]) -> Named {
     Named { effect: effect.into(), joints: joints.into() }
 }
 
-fn truth(kind: Kind, effects: &[Named]) -> Truth {
+pub(super) fn truth(kind: Kind, effects: &[Named]) -> Truth {
     let strength =
         Strength { drawn: Some(3.0), own: vec![4.0; 6], gap: vec![0.0, 3.0, 0.0, 0.0, 0.0, 0.0] };
     let hidden = |n: &Named| Hidden {
@@ -31,12 +31,14 @@ fn truth(kind: Kind, effects: &[Named]) -> Truth {
         family: String::new(),
         noise_nm: vec![],
         third: false,
+        recordings: Vec::new(),
+        base: None,
         made: serde_json::Value::Null,
     }
 }
 
 /// A cause with a probability of .9 and one parameter, 2.2 in 1.9 to 2.5.
-fn cause(name: &Named, equivalent: &[Named]) -> Cause {
+pub(super) fn cause(name: &Named, equivalent: &[Named]) -> Cause {
     Cause {
         effect: name.effect.clone(),
         joints: name.joints.clone(),
@@ -59,7 +61,11 @@ fn cause(name: &Named, equivalent: &[Named]) -> Cause {
     }
 }
 
-fn answer(verdict: Verdict, causes: Vec<Cause>, ranking: &[(&str, &[usize], f64)]) -> Answer {
+pub(super) fn answer(
+    verdict: Verdict,
+    causes: Vec<Cause>,
+    ranking: &[(&str, &[usize], f64)],
+) -> Answer {
     let ranked = |(effect, joints, probability): &(&str, &[usize], f64)| Ranked {
         effect: (*effect).into(),
         joints: joints.to_vec(),

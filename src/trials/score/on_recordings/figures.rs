@@ -1,0 +1,50 @@
+//! The figures of cases on somebody's own recordings, held against their goals.
+
+use super::super::rows::Goal;
+use super::super::{Judged, Share};
+use super::{agreement, found};
+use crate::diagnosis::Verdict;
+use crate::trials::Kind;
+
+/// Strength, share that is to be named, and both in words.
+const NAMED: [(f64, f64, &str, &str); 4] = [
+    (0.5, 0.70, "grafts named, strength .5", "at least .70"),
+    (1.0, 0.85, "grafts named, strength 1", "at least .85"),
+    (2.0, 0.95, "grafts named, strength 2", "at least .95"),
+    (4.0, 0.98, "grafts named, strength 4", "at least .98"),
+];
+
+pub fn explained(judged: &Judged) -> bool {
+    judged.verdict == Some(Verdict::Explained)
+}
+
+pub fn goals(all: &[Judged]) -> Vec<Goal> {
+    let (levels, asked) = (found::levels(all), found::asked(all));
+    let of = |kind: Kind| all.iter().filter(move |j| j.kind == kind);
+    let mut goals: Vec<Goal> = NAMED
+        .iter()
+        .map(|(strength, least, figure, goal)| {
+            let cases = found::at_level(&asked, *strength, &levels);
+            let share = Share::count(cases, found::named);
+            Goal { figure, found: share.to_string(), goal, met: share.value().map(|v| v >= *least) }
+        })
+        .collect();
+    let mut at_most = |figure, share: Share, most: f64, goal| {
+        let met = share.value().map(|v| v <= most);
+        goals.push(Goal { figure, found: share.to_string(), goal, met });
+    };
+    let strays = |j: &Judged| !j.strays.is_empty();
+    at_most("strays, grafts", Share::count(of(Kind::Grafted), strays), 0.05, "at most .05");
+    let foreign = || of(Kind::GraftedForeign);
+    at_most("foreign grafts called explained", Share::count(foreign(), explained), 0.0, "0");
+    at_most("foreign grafts, another name", Share::count(foreign(), strays), 0.10, "at most .10");
+    let pairs = agreement(all);
+    at_most("untouched, unexplained in spite of > 30 %", pairs.unexplained, 0.0, "0");
+    goals.push(Goal {
+        figure: "untouched pairs, same leading cause",
+        found: pairs.same.to_string(),
+        goal: "at least .90",
+        met: pairs.same.value().map(|v| v >= 0.90),
+    });
+    goals
+}
