@@ -57,6 +57,8 @@ pub struct Criteria {
     /// Share of the stretch's squared residual that the force must take off: where it takes off
     /// less, something happened to friction.
     pub explained: f64,
+    /// Standard deviations that its peak must be large.
+    pub certain: f64,
     /// What is over sooner is not told from a jump of the friction, s: a period and a half of the
     /// torque's usual low-pass.
     pub shortest_s: f64,
@@ -70,10 +72,11 @@ impl Default for Criteria {
             apart_s: 60.0,
             lasts_s: 2.0,
             force_s: 0.5,
-            yields_s: 2.0,
+            yields_s: 1.0,
             of_weight: 0.1,
             log_odds: 3.0,
             explained: 0.25,
+            certain: 2.0,
             shortest_s: 0.19,
             at_flange: false,
         }
@@ -115,6 +118,7 @@ pub fn contacts(input: &Residual<'_>, criteria: &Criteria) -> Vec<Contact> {
     let told = |c: &Contact| {
         c.log_odds >= criteria.log_odds
             && c.explained >= criteria.explained
+            && c.peak_n >= criteria.certain * c.peak_sd_n
             && c.end_s - c.start_s >= criteria.shortest_s
     };
     found.retain(told);
