@@ -78,7 +78,7 @@ fn best(mut courses: Vec<Course>, places: usize) -> Vec<Course> {
     let top = courses.first().map_or(0.0, |c| c.log_evidence);
     let mut followed = vec![0; places + 1];
     courses.retain(|course| {
-        let count = &mut followed[course.mode.map_or(places, |place| place)];
+        let count = &mut followed[course.mode.unwrap_or(places)];
         *count += 1;
         let hopeless = course.log_evidence < top - HOPELESS;
         *count <= FOLLOWED && !(hopeless && (course.mode.is_some() || *count > 1))
