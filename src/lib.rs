@@ -18,6 +18,7 @@ pub mod cli;
 pub mod diagnosis;
 pub mod effects;
 pub mod export;
+pub mod external_wrench;
 pub mod files;
 pub mod identification;
 pub mod kernels;

@@ -8,6 +8,7 @@ mod case_studies;
 mod compare;
 mod completions;
 mod conditioning;
+mod contacts;
 mod convert;
 mod demo;
 mod detect;
@@ -48,6 +49,7 @@ enum Command {
     CaseStudies(case_studies::Args),
     Compare(compare::Args),
     Completions(completions::Args),
+    Contacts(contacts::Args),
     Convert(convert::Args),
     Demo(demo::Args),
     Detect(detect::Args),
@@ -86,6 +88,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
             completions::run(&args);
             Ok(())
         }
+        Command::Contacts(args) => contacts::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Detect(args) => detect::run(&args),

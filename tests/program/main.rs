@@ -2,6 +2,7 @@
 
 mod browser;
 mod compare;
+mod contacts;
 mod demo;
 mod deploy;
 mod detect;

@@ -1,0 +1,87 @@
+//! `armtwin contacts`: when something touched the arm, where, and how strongly.
+
+mod arm;
+mod page;
+mod sensor;
+mod validation;
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+
+use self::arm::{Arm, Source};
+use super::conditioning::ConditioningArgs;
+use super::save;
+use crate::external_wrench::Criteria;
+use crate::twin::Twin;
+
+/// Estimate forces from outside: when something touched the arm, which link, how strongly
+///
+/// What the twin does not account for is held against forces of any shape on any link, at rest as in
+/// motion. Values that the twin leaves open are fitted to the recording of --fit, or to this one.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  armtwin contacts pushed.csv --twin fitted.toml
+  armtwin contacts pushed.csv --fit free.csv --twin twin.toml --with load_friction --json out.json
+  armtwin contacts Movement_No10 --fit Movement_No6 --at-flange")]
+pub struct Args {
+    /// Recording to search: file, or folder with one log per signal
+    #[arg(required_unless_present = "validate")]
+    recording: Option<PathBuf>,
+    /// Another recording of the same arm, free of contacts: what is open in the twin is fitted to it
+    #[arg(long, value_name = "RECORDING")]
+    fit: Option<PathBuf>,
+    /// More recordings free of contacts, to learn from what the twin leaves (repeatable)
+    #[arg(long, value_name = "RECORDING")]
+    free: Vec<PathBuf>,
+    /// What is known about the arm [default: the built-in UR5 with the paper's drive]
+    #[arg(long, value_name = "TWIN.toml")]
+    twin: Option<PathBuf>,
+    /// What to fit besides, effects by name
+    #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
+    with: Vec<String>,
+    /// Column map (TOML) of CSVs without RTDE names
+    #[arg(long, value_name = "MAP.toml")]
+    columns: Option<PathBuf>,
+    /// Column map of the recording of --fit [default: that of --columns]
+    #[arg(long, value_name = "MAP.toml")]
+    fit_columns: Option<PathBuf>,
+    /// Only the flange can be touched: by a tool, for example
+    #[arg(long)]
+    at_flange: bool,
+    /// Write the contacts, with their forces over time, as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Search the recordings of real arms in this folder, and hold what is found against what is
+    /// known of them
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["recording", "fit", "free", "twin"])]
+    validate: Option<PathBuf>,
+    /// Markdown file for --validate to write; left out, standard output
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    conditioning: ConditioningArgs,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    if let Some(folder) = &args.validate {
+        return validation::run(folder, args.out.as_deref(), args.json.as_deref());
+    }
+    let path = args.recording.clone().context("give a recording")?;
+    let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
+    let recording = Source::new(path, args.columns.clone());
+    let fit_columns = args.fit_columns.clone().or_else(|| args.columns.clone());
+    let fit = args.fit.clone().map(|path| Source::new(path, fit_columns));
+    let how = args.conditioning.over(arm::conditioning());
+    let arm = Arm::fitted(&twin, fit.as_ref().unwrap_or(&recording), &args.with, &how)?;
+    let free = args.free.iter().map(|path| Source::new(path.clone(), args.columns.clone()));
+    let free: Vec<Source> = fit.into_iter().chain(free).collect();
+    let criteria = Criteria { at_flange: args.at_flange, ..Criteria::default() };
+    let found = arm.contacts(&recording, &free, &criteria)?;
+    if let Some(path) = &args.json {
+        let all = serde_json::json!({ "criteria": &criteria, "contacts": &found });
+        save::json(path, "armtwin.contacts/1", &all)?;
+    }
+    print!("{}", page::page(&found));
+    Ok(())
+}
