@@ -37,10 +37,6 @@ impl Extent {
     pub fn meets(self, other: Self) -> bool {
         self == other || self == Self::Several || other == Self::Several
     }
-
-    pub fn covers(self, joint: usize) -> bool {
-        self.meets(Self::One(joint))
-    }
 }
 
 #[derive(Clone, Copy)]

@@ -21,7 +21,7 @@ pub struct Data<'a> {
     pub twin: &'a Twin,
     pub parts: Vec<&'a Observed<'a>>,
     /// Of the discrepancy, joint by joint.
-    pub features: Vec<Features>,
+    pub features: Arc<Vec<Features>>,
     /// Torque that is large for a joint, N.m: rated, or else the largest recorded.
     pub rated: Vec<f64>,
     /// Of the rows of a joint, the share that is independent of the others: each counts by its root.
@@ -40,7 +40,7 @@ impl<'a> Data<'a> {
             let noise = data.least(j).sqrt() / BELOW_FLOOR;
             discrepancy.features(j, noise, move |p, series| parts[p].block(j, series))
         };
-        data.features = (0..data.joints()).into_par_iter().map(rows).collect();
+        data.features = Arc::new((0..data.joints()).into_par_iter().map(rows).collect());
         data
     }
 
@@ -48,7 +48,7 @@ impl<'a> Data<'a> {
     pub fn plain(parts: Vec<&'a Observed<'a>>) -> Self {
         let twin = parts[0].twin;
         let none = || Features::new(Vec::new(), Vec::new(), GROUPS.len());
-        let features = (0..parts[0].joints()).map(|_| none()).collect();
+        let features = Arc::new((0..parts[0].joints()).map(|_| none()).collect());
         let rated = (0..parts[0].joints()).map(|j| rated(&parts, j)).collect();
         let shares = vec![1.0; parts[0].joints()];
         Self { twin, parts, features, rated, shares, kept: Mutex::default() }
@@ -94,20 +94,15 @@ impl<'a> Data<'a> {
             rows
         };
         let rows = Blocks((0..self.joints()).map(joint).collect());
-        let products = |j: usize| match rows.touches(j) {
-            true => self.features[j].products(rows.joint(j)),
-            false => Vec::new(),
-        };
-        let features = (0..self.joints()).map(products).collect();
-        Raw { features: Arc::new(features), rows: Arc::new(rows) }
+        Raw::new(rows, self.features.clone())
     }
 
     /// The same recordings, each row of a joint counted by the share of them that is independent: what
     /// a model leaves goes along with itself for a while, and so many rows say no more than fewer.
     pub fn counted(self, shares: Vec<f64>) -> Self {
-        let scaled = |(f, s): (Features, &f64)| f.scaled(s.sqrt());
-        let features = self.features.into_iter().zip(&shares).map(scaled).collect();
-        Self { features, shares, kept: Mutex::default(), ..self }
+        let scaled = |(f, s): (&Features, &f64)| f.scaled(s.sqrt());
+        let features = self.features.iter().zip(&shares).map(scaled).collect();
+        Self { features: Arc::new(features), shares, kept: Mutex::default(), ..self }
     }
 
     /// Columns by all that they depend on, worked out once; `work_out` makes those of a recording.

@@ -198,7 +198,7 @@ mod tests {
     fn a_push_is_found_in_time_and_weighed() {
         let (twin, samples) = (Twin::default(), moving());
         let floor = noise_floor(&samples, &twin);
-        let evidence = Observed::new(&twin, &samples, &floor).unwrap();
+        let evidence = Observed::new(0, &twin, &samples, &floor).unwrap();
         let [free, pushed] = [[0.0; 2], PUSH_S].map(|when| left(&evidence, when));
         assert!(episodes((&evidence, &free), (&evidence, &free)).is_empty());
         let found = episodes((&evidence, &free), (&evidence, &pushed));

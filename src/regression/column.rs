@@ -1,30 +1,40 @@
 //! Columns over the rows of all joints, and as a model with random effects sees them.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::Blocks;
-use super::random_effects::Metric;
+use super::random_effects::{Features, JointMetric, Metric};
 
-/// A column, and its products with the random effects' features: D'x, joint by joint.
-#[derive(Debug, Clone, Default)]
+/// A column, and its products with the random effects' features: D'x, joint by joint, worked out
+/// where a metric asks for them.
+#[derive(Debug, Clone)]
 pub struct Raw {
     pub rows: Arc<Blocks>,
-    pub features: Arc<Vec<Vec<f64>>>,
+    features: Arc<Vec<Features>>,
+    products: Arc<Vec<OnceLock<Vec<f64>>>>,
 }
 
 impl Raw {
+    pub fn new(rows: Blocks, features: Arc<Vec<Features>>) -> Self {
+        let products = Arc::new((0..features.len()).map(|_| OnceLock::new()).collect());
+        Self { rows: Arc::new(rows), features, products }
+    }
+
+    /// D'x at a joint; empty where the column has no rows there.
+    pub fn products(&self, j: usize) -> &[f64] {
+        self.products[j].get_or_init(|| match self.rows.touches(j) {
+            true => self.features[j].products(self.rows.joint(j)),
+            false => Vec::new(),
+        })
+    }
+
     /// scale x (self - other), where self has rows.
     pub fn less(&self, other: &Self, scale: f64) -> Self {
-        let difference = |a: &[Vec<f64>], b: &[Vec<f64>]| -> Vec<Vec<f64>> {
-            let joint = |(a, b): (&Vec<f64>, &Vec<f64>)| {
-                a.iter().zip(b).map(|(a, b)| scale * (a - b)).collect()
-            };
-            a.iter().zip(b).map(joint).collect()
+        let joint = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+            a.iter().zip(b).map(|(a, b)| scale * (a - b)).collect()
         };
-        Self {
-            rows: Arc::new(Blocks(difference(&self.rows.0, &other.rows.0))),
-            features: Arc::new(difference(&self.features, &other.features)),
-        }
+        let rows = self.rows.0.iter().zip(&other.rows.0).map(joint).collect();
+        Self::new(Blocks(rows), self.features.clone())
     }
 }
 
@@ -38,11 +48,11 @@ pub struct Column {
 
 impl Column {
     pub fn new(raw: &Raw, metric: &Metric) -> Self {
-        let of = |(j, features): (usize, &Vec<f64>)| metric.joints[j].taken(features);
-        Self {
-            rows: raw.rows.clone(),
-            taken: raw.features.iter().enumerate().map(of).collect(),
-        }
+        let of = |(j, metric): (usize, &Arc<JointMetric>)| match metric.is_plain() {
+            true => Vec::new(),
+            false => metric.taken(raw.products(j)),
+        };
+        Self { rows: raw.rows.clone(), taken: metric.joints.iter().enumerate().map(of).collect() }
     }
 
     /// Nothing at any of the joints.

@@ -116,11 +116,16 @@ impl Features {
     }
 
     /// All columns times a factor.
-    pub fn scaled(mut self, factor: f64) -> Self {
-        self.columns.iter_mut().flatten().for_each(|v| *v *= factor);
-        self.gram *= factor * factor;
-        self.known = Mutex::default();
-        self
+    pub fn scaled(&self, factor: f64) -> Self {
+        let column = |c: &Vec<f64>| c.iter().map(|v| v * factor).collect();
+        Self {
+            columns: self.columns.iter().map(column).collect(),
+            group: self.group.clone(),
+            groups: self.groups,
+            largest: self.largest.clone(),
+            gram: &self.gram * (factor * factor),
+            known: Mutex::default(),
+        }
     }
 
     /// D'x, from the rows where x is not zero.

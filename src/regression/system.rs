@@ -101,10 +101,10 @@ impl Normal {
             .sum();
         let raw = |i: usize| if i == y { &self.y } else { &self.columns[i] };
         let mut of_features: Vec<Vec<f64>> =
-            own.iter().map(|&i| raw(i).features[j].clone()).collect();
+            own.iter().map(|&i| raw(i).products(j).to_vec()).collect();
         let mut of_rest = vec![0.0; features.columns.len()];
         for (i, f) in &rest {
-            crate::kernels::axpy(*f, &raw(*i).features[j], &mut of_rest);
+            crate::kernels::axpy(*f, raw(*i).products(j), &mut of_rest);
         }
         of_features.push(of_rest);
         Profile::new(features, products, of_features, count, least)
