@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::bound::Adopted;
-use super::candidate::{Candidate, Extent, acts_on};
+use super::candidate::{Candidate, Extent, Place, acts_on};
 use super::criteria::Criteria;
 use super::data::Data;
 use super::fit::Fit;
@@ -19,9 +19,10 @@ use super::screen::{Screened, screen};
 use super::Checked;
 
 /// Candidates that are refined and weighed in full: a screening is right to within a few.
-const WEIGHED: usize = 8;
-/// Of the best one's gain: what gains less at its own best start is not refined.
-const WORTH_REFINING: f64 = 0.2;
+const WEIGHED: usize = 6;
+/// Behind the best at its start, of its evidence and in nats: from there refining may come first.
+const NEAR_SHARE: f64 = 0.4;
+const NEAR_NATS: f64 = 10.0;
 /// Rounds of exchanging causes.
 const REVISIONS: usize = 4;
 
@@ -144,7 +145,14 @@ impl<'a> Search<'a> {
     }
 
     fn open(&self, model: &Model) -> Vec<Candidate> {
-        self.candidates.iter().filter(|c| !model.has(**c)).copied().collect()
+        // What acts in the whole arm leaves nothing of its kind to single joints.
+        let covers = |a: &Candidate, b: &Candidate| {
+            a.name() == b.name() && a.place == Place::Arm && a.recording.is_none() && b.place != a.place
+        };
+        let there = |c: &&Candidate| {
+            model.causes.iter().any(|t| t.candidate == **c || covers(&t.candidate, c))
+        };
+        self.candidates.iter().filter(|c| !there(c)).copied().collect()
     }
 
     /// The best, and what is best at other joints where nothing that acts on several does better there:
@@ -226,29 +234,41 @@ impl<'a> Search<'a> {
         (self.candidates.len().max(1) as f64).ln()
     }
 
-    /// The best of those screened, refined and weighed beside the discrepancy that each leaves; best
-    /// first.
+    /// The best of those screened, weighed beside the discrepancy that each leaves, best first; what comes
+    /// close to the best is refined.
     fn weigh(&self, state: &Fit<'a>, screened: Vec<Screened>, most: usize) -> Vec<Hypothesis<'a>> {
-        let best = screened.first().map_or(0.0, |s| s.gain);
         let worth: Vec<Screened> =
             screened.into_iter().take(most).filter(|s| s.gain.is_finite()).collect();
-        let weigh = |s: &Screened| self.hypothesis(state, s, s.gain >= WORTH_REFINING * best);
-        let mut ranked: Vec<Hypothesis> = worth.par_iter().map(weigh).collect();
+        let as_screened = |s: &Screened| {
+            let beside = state.clone().beside(s.sizes.clone());
+            let trial = refine::evaluate(&beside, &s.trial, s.trial.nonlinear.clone());
+            self.adopted(state, &beside, trial)
+        };
+        let mut ranked: Vec<Hypothesis> = worth.par_iter().map(as_screened).collect();
+        let top = ranked.iter().map(|h| h.nats).fold(f64::NEG_INFINITY, f64::max);
+        let near = |nats: f64| nats > 0.0 && nats >= top - (NEAR_SHARE * top).max(NEAR_NATS);
+        let refined = |(h, s): (&mut Hypothesis<'a>, &Screened)| {
+            if !near(h.nats) || h.trial.starts[0].is_empty() {
+                return;
+            }
+            let beside = state.clone().beside(s.sizes.clone());
+            let better = self.adopted(state, &beside, refine::refine(&beside, &h.trial));
+            if better.nats > h.nats {
+                *h = better;
+            }
+        };
+        ranked.par_iter_mut().zip(&worth).for_each(refined);
         ranked.sort_by(|a, b| b.nats.total_cmp(&a.nats));
         ranked
     }
 
-    fn hypothesis(&self, state: &Fit<'a>, screened: &Screened, refined: bool) -> Hypothesis<'a> {
-        let beside = state.clone().beside(screened.sizes.clone());
-        let trial = match refined {
-            true => refine::refine(&beside, &screened.trial),
-            false => refine::evaluate(&beside, &screened.trial, screened.trial.nonlinear.clone()),
-        };
-        self.adopted(state, &beside, trial)
-    }
-
     fn adopted(&self, state: &Fit<'a>, beside: &Fit<'a>, trial: Trial) -> Hypothesis<'a> {
-        let adopted = Adopted::new(beside, trial).inside(self.criteria.least_nats);
+        let adopted = Adopted::new(beside, trial);
+        let adopted = if adopted.at_bound.is_some() {
+            adopted.inside(self.criteria.least_nats)
+        } else {
+            adopted
+        };
         let Adopted { trial, fit, at_bound, .. } = adopted;
         let fit = self.tuned(fit, &self.touched(trial.candidate));
         let nats = fit.ln_evidence() - state.ln_evidence() - self.ln_rivals();

@@ -265,7 +265,7 @@ fn called_causes<'a>(
         let fails = |i: &usize| {
             let alone = last.model.causes[*i].candidate.recording.is_some();
             let gains = alone || shrinks[*i].low > 0.0;
-            let bound = standings[*i].cause().at_bound.is_some();
+            let bound = standings[*i].cause().at_bound.is_some() || is_impossible(&last, *i);
             bound || !gains || ranking::probability(&standings[*i], &both.criteria) <= 0.5
         };
         let weakest = (0..standings.len())
@@ -276,6 +276,23 @@ fn called_causes<'a>(
             None => return (last, standings, shrinks),
         }
     }
+}
+
+/// Is a linear value of cause `i` beyond what it can be?
+fn is_impossible(fit: &Fit<'_>, i: usize) -> bool {
+    let candidate = fit.model.causes[i].candidate;
+    let values = fit.values(i);
+    let linear = &values[..candidate.linear()];
+    let beyond = |(k, v): (usize, &f64)| {
+        let [min, max] = candidate.range(k, fit.data.twin);
+        let slack = 1e-6 * (max - min);
+        *v < min - slack || *v > max + slack
+    };
+    // The first one makes the effect what it is.
+    linear.iter().enumerate().any(beyond) || linear.first().is_some_and(|v| {
+        let [min, _] = candidate.range(0, fit.data.twin);
+        min == 0.0 && *v <= 0.0
+    })
 }
 
 /// Values of the twin's open effects, one per joint.
