@@ -5,11 +5,11 @@ use std::time::Instant;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::regression::bounds::Bounds;
 use crate::identification::levenberg_marquardt as lm;
 use crate::identification::problem::JointProblem;
 use crate::identification::quadratic::QuadraticCost;
 use crate::identification::{IdentificationError, pso, separable};
+use crate::regression::bounds::Bounds;
 
 /// A cost this close to the lowest, relatively, counts as reached: 0.01 %.
 pub const REACHED: f64 = 1e-4;

@@ -101,10 +101,10 @@ pub fn at_bound(fit: &Fit<'_>, trial: &Trial) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::diagnosis::candidate::{Candidate, Place};
-    use crate::diagnosis::observed::Observed;
-    use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::data::Data;
+    use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::model::Model;
+    use crate::diagnosis::observed::Observed;
     use crate::diagnosis::screen::screen;
     use crate::diagnosis::testing::{noisy, samples};
     use crate::effects::find;

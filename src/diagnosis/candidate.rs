@@ -1,8 +1,8 @@
 //! What may be missing in the twin: an effect of the catalogue, somewhere.
 
-use crate::regression::Blocks;
 use super::observed::Observed;
 use crate::effects::{self, CATALOGUE, Channels, Effect, Mechanism, Motion, Role, Scope, Seen};
+use crate::regression::Blocks;
 use crate::twin::Twin;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -121,7 +121,8 @@ pub fn candidates(twin: &Twin, without: &[String], recordings: &[usize]) -> Vec<
             let everywhere = Candidate { changes: stated, ..Candidate::new(effect, place) };
             all.push(everywhere);
             if effect.lasts_a_while() && recordings.len() > 1 {
-                let only = recordings.iter().map(|r| Candidate { recording: Some(*r), ..everywhere });
+                let only =
+                    recordings.iter().map(|r| Candidate { recording: Some(*r), ..everywhere });
                 all.extend(only);
             }
         }

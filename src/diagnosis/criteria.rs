@@ -15,8 +15,8 @@ pub struct Criteria {
     pub inexact: f64,
     /// Odds within which two names are told in one breath.
     pub equal_odds: f64,
-    /// Of the check recording's mean square at the joints where it acts: a cause that takes off less
-    /// is nothing to act on.
+    /// Of the check recording's mean square at the joint where it takes off most: a cause that takes off
+    /// less is nothing to act on, and no signature is exact to less.
     pub least_gain: f64,
     /// Mean square over that of the noise from which something is left.
     pub above_noise: f64,
@@ -30,7 +30,7 @@ impl Default for Criteria {
             least_nats: 3.0,
             inexact: 1e-3,
             equal_odds: 20.0,
-            least_gain: 0.01,
+            least_gain: 0.03,
             above_noise: 1.5,
             most_causes: 10,
         }

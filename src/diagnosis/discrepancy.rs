@@ -61,10 +61,7 @@ impl<'a> Discrepancy<'a> {
         let q = |j| spread(&over(&|p, j| used(p, &p.samples.q, j), j));
         let qd = |j| spread(&over(&|p, j| used(p, &p.samples.qd, j), j))[1];
         let each = 0..joints;
-        let scales = Scales {
-            q: each.clone().map(q).collect(),
-            qd: each.map(qd).collect(),
-        };
+        let scales = Scales { q: each.clone().map(q).collect(), qd: each.map(qd).collect() };
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         let mut wave = || {
             let direction: Vec<f64> = (0..2 * joints)

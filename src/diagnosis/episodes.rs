@@ -10,8 +10,8 @@
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use crate::regression::Blocks;
 use super::observed::Observed;
+use crate::regression::Blocks;
 use crate::robot::point_jacobian;
 use crate::signals::runs;
 

@@ -7,10 +7,10 @@
 use nalgebra::Rotation3;
 use rayon::prelude::*;
 
-use super::observed::Observed;
 use super::candidate::describe;
 use super::data::Data;
 use super::fit::Fit;
+use super::observed::Observed;
 use super::search::Hypothesis;
 use super::{Floor, Settings};
 use crate::motion::{Kind, Settings as Motion};

@@ -109,12 +109,7 @@ fn add(sum: &mut JointSeries, factor: f64, column: &[Vec<f64>]) {
 }
 
 /// The columns of a term where the drive supplies `known` without it.
-fn signature(
-    observed: &Observed<'_>,
-    model: &Model,
-    term: &Term,
-    known: &JointSeries,
-) -> Series {
+fn signature(observed: &Observed<'_>, model: &Model, term: &Term, known: &JointSeries) -> Series {
     let under;
     let robot = match term.candidate.effect.about().scope {
         Scope::Joint => &model.laden,
@@ -262,7 +257,8 @@ impl<'a> Fit<'a> {
 
     /// The columns of a further candidate, as the rows show them.
     pub fn raw(&self, candidate: Candidate, nonlinear: &[f64]) -> Vec<Raw> {
-        let parts: Vec<Vec<Blocks>> = (0..self.data.parts.len()).map(|p| self.blocks(p, candidate, nonlinear)).collect();
+        let parts: Vec<Vec<Blocks>> =
+            (0..self.data.parts.len()).map(|p| self.blocks(p, candidate, nonlinear)).collect();
         let column = |i: usize| self.data.raw(parts.iter().map(|p| p[i].clone()).collect());
         (0..candidate.linear()).map(column).collect()
     }
@@ -425,10 +421,10 @@ pub fn expected(data: &Data<'_>, candidate: Candidate, columns: &[Raw]) -> Vec<f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::find;
-    use crate::twin::Twin;
     use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::testing::samples;
+    use crate::effects::find;
+    use crate::twin::Twin;
 
     const GAIN: f64 = 0.2;
     const COULOMB_NM: f64 = 6.0;

@@ -8,10 +8,10 @@
 //! the velocity where a joint sets off and stops is left on one side of standstill only (a lag of 20 us
 //! where there was none).
 
-use crate::regression::Blocks;
 use super::observed::Observed;
 use super::{BeforeAfter, Cause, Checked, Settings, Value};
 use crate::effects::{Motion, find};
+use crate::regression::Blocks;
 use crate::series::JointSeries;
 use crate::signals::{LowPass, central_difference};
 use crate::statistics::{effective_samples, normal_quantile};

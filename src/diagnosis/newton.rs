@@ -7,8 +7,8 @@
 
 use super::fit::Fit;
 use super::refine::{Trial, evaluate, linear_bounds, neighbours, priors, settled};
-use crate::regression::bounds::Bounds;
 use crate::regression::Column;
+use crate::regression::bounds::Bounds;
 
 const STEPS: usize = 6;
 /// Gains that are worth another step, nats.
@@ -87,10 +87,10 @@ fn bounds(fit: &Fit<'_>, best: &Trial, free: &[usize], ends: &[[f64; 2]]) -> Opt
 mod tests {
     use super::*;
     use crate::diagnosis::candidate::{Candidate, Place};
-    use crate::diagnosis::observed::Observed;
-    use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::data::Data;
+    use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::model::Model;
+    use crate::diagnosis::observed::Observed;
     use crate::diagnosis::refine::refine;
     use crate::diagnosis::screen::screen;
     use crate::diagnosis::testing::samples;

@@ -4,9 +4,9 @@ use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex};
 
 use super::DiagnosisError;
-use crate::regression::Blocks;
 use super::floor::Floor;
 use crate::effects::{Motion, Rigid};
+use crate::regression::Blocks;
 use crate::robot::Robot;
 use crate::series::JointSeries;
 use crate::signals::{Decimator, Samples};

@@ -124,11 +124,11 @@ mod tests {
     use super::*;
     use crate::diagnosis::candidate::Candidate;
     use crate::diagnosis::data::Data;
-    use crate::diagnosis::screen::screen;
-    use crate::diagnosis::observed::Observed;
     use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::intervals::of_fit;
     use crate::diagnosis::model::Model;
+    use crate::diagnosis::observed::Observed;
+    use crate::diagnosis::screen::screen;
     use crate::diagnosis::testing::{noisy, samples};
     use crate::effects::find;
     use crate::twin::Twin;

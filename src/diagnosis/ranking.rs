@@ -33,9 +33,8 @@ fn shares(standing: &Standing<'_>, criteria: &Criteria) -> Vec<f64> {
 /// What does as well within the odds that tell nothing, and is not rejected.
 pub fn equivalents(standing: &Standing<'_>, criteria: &Criteria) -> Vec<Named> {
     let mine = standing.cause();
-    let near = |nats: f64| {
-        criteria.trusted(mine.nats) - criteria.trusted(nats) < criteria.equal_odds.ln()
-    };
+    let near =
+        |nats: f64| criteria.trusted(mine.nats) - criteria.trusted(nats) < criteria.equal_odds.ln();
     let others = standing.ranked.iter().filter(|h| {
         h.candidate() != mine.candidate() && h.at_bound.is_none() && h.nats > 0.0 && near(h.nats)
     });

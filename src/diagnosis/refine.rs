@@ -253,7 +253,13 @@ pub fn neighbours(trial: &Trial, i: usize) -> [f64; 2] {
 }
 
 /// The best trial on a line through the nonlinear parameters, between two ends.
-fn line(fit: &Fit<'_>, best: Trial, i: usize, ends: [f64; 2], at: impl Fn(f64) -> Vec<f64>) -> Trial {
+fn line(
+    fit: &Fit<'_>,
+    best: Trial,
+    i: usize,
+    ends: [f64; 2],
+    at: impl Fn(f64) -> Vec<f64>,
+) -> Trial {
     let scan = best.candidate.effect.bracket(&best.nonlinear, i).is_some();
     let parameters = &best.candidate.effect.about().parameters[best.candidate.linear()..];
     let fixed = best.clone();
@@ -285,10 +291,10 @@ mod tests {
     use super::*;
     use crate::diagnosis::candidate::Place;
     use crate::diagnosis::data::Data;
+    use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::model::Model;
     use crate::diagnosis::observed::Observed;
     use crate::diagnosis::screen::screen;
-    use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::testing::samples;
     use crate::effects::find;
 

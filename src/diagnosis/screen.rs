@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::fit::Fit;
-use super::windows;
 use super::refine::{Trial, linear_bounds, priors};
+use super::windows;
 use crate::regression::random_effects::Metric;
 use crate::regression::{Column, Raw, System};
 

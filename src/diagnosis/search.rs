@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use super::Checked;
 use super::bound::Adopted;
 use super::candidate::{Candidate, Extent, Place, acts_on};
 use super::criteria::Criteria;
@@ -16,7 +17,6 @@ use super::model::Model;
 use super::observed::Observed;
 use super::refine::{self, Trial};
 use super::screen::{Screened, screen};
-use super::Checked;
 
 /// Candidates that are refined and weighed in full: a screening is right to within a few.
 const WEIGHED: usize = 6;
@@ -101,17 +101,29 @@ pub struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// How far cause `i` of a model shrinks what the others leave of the check recording.
-    pub fn shrink(&self, model: &Model, i: usize) -> Checked {
+    /// What cause `i` of a model takes off what the others leave of the check recording.
+    pub fn gain(&self, model: &Model, i: usize) -> Gain {
         let left = |model| Fit::plain(self.fit, model).held_against(self.check);
         let (without, with) = (left(model.without(i)), left(model.clone()));
-        held_out::pair(self.check, &without, &with, |pair| pair.checked(self.seed))
+        let shrink = held_out::pair(self.check, &without, &with, |pair| pair.checked(self.seed));
+        let squares = without.squares().into_iter().zip(with.squares());
+        let share = squares.map(|(b, a)| if b > 0.0 { 1.0 - a / b } else { 0.0 });
+        Gain { shrink, at_best_joint: share.fold(0.0, f64::max) }
     }
 
-    /// Does it, surely? What acts in one recording alone has nothing to show in the other.
-    pub fn agrees(&self, model: &Model, i: usize) -> bool {
-        model.causes[i].candidate.recording.is_some() || self.shrink(model, i).low > 0.0
+    /// Does it, surely and enough? What acts in one recording alone has nothing to show in the other.
+    pub fn agrees(&self, gain: &Gain, candidate: Candidate, criteria: &Criteria) -> bool {
+        let enough = gain.shrink.low > 0.0 && gain.at_best_joint >= criteria.least_gain;
+        candidate.recording.is_some() || enough
     }
+}
+
+/// What a cause takes off the check recording.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Gain {
+    pub shrink: Checked,
+    /// Share of the mean square at the joint where it is largest.
+    pub at_best_joint: f64,
 }
 
 impl<'a> Search<'a> {
@@ -147,7 +159,10 @@ impl<'a> Search<'a> {
     fn open(&self, model: &Model) -> Vec<Candidate> {
         // What acts in the whole arm leaves nothing of its kind to single joints.
         let covers = |a: &Candidate, b: &Candidate| {
-            a.name() == b.name() && a.place == Place::Arm && a.recording.is_none() && b.place != a.place
+            a.name() == b.name()
+                && a.place == Place::Arm
+                && a.recording.is_none()
+                && b.place != a.place
         };
         let there = |c: &&Candidate| {
             model.causes.iter().any(|t| t.candidate == **c || covers(&t.candidate, c))
@@ -174,10 +189,15 @@ impl<'a> Search<'a> {
             .collect();
         let agrees = |h: &Hypothesis<'a>| {
             let last = h.fit.model.causes.len() - 1;
-            self.judge.as_ref().is_none_or(|judge| judge.agrees(&h.fit.model, last))
+            self.judge.as_ref().is_none_or(|judge| {
+                let gain = judge.gain(&h.fit.model, last);
+                judge.agrees(&gain, h.candidate(), &self.criteria)
+            })
         };
         let enough = |h: &&Hypothesis<'a>| {
-            h.at_bound.is_none() && self.worth(start, state, h) > self.criteria.least_nats && agrees(h)
+            h.at_bound.is_none()
+                && self.worth(start, state, h) > self.criteria.least_nats
+                && agrees(h)
         };
         let mut good = ranked.iter().filter(enough);
         let Some(best) = good.next() else {

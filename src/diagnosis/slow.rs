@@ -8,13 +8,13 @@
 
 use super::Value;
 use super::conditioning::GUARD_S;
-use super::observed::Observed;
+use super::data::Data;
+use super::fit::Fit;
 use super::floor::noise_floor;
 use super::intervals;
 use super::locate::refine_together;
-use super::data::Data;
-use super::fit::Fit;
 use super::model::Model;
+use super::observed::Observed;
 use super::profile;
 use crate::signals::{Conditioning, Samples};
 

@@ -1,13 +1,13 @@
 //! What a diagnosis rests on, sample by sample: the check recording, before and after the causes.
 
-use crate::regression::Blocks;
-use super::observed::Observed;
 use super::candidate::Term;
 use super::fit::Fit;
+use super::observed::Observed;
 use super::regimes::{conditions, transmitted};
 use super::verdict::Findings;
 use super::{Diagnosis, Floor, mend};
 use crate::effects::Scope;
+use crate::regression::Blocks;
 use crate::series::JointSeries;
 use crate::signals::Samples;
 use crate::twin::Twin;

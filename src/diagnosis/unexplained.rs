@@ -42,8 +42,7 @@ pub fn unexplained(
     let joints: Vec<UnexplainedJoint> =
         (0..floor.len()).into_par_iter().map(|j| joint(left, j, &floor[j], last)).collect();
     let loud = |j: &UnexplainedJoint| {
-        j.discrepancy_nm > 0.0
-            || j.rms_nm.powi(2) > criteria.above_noise * j.noise_floor_nm.powi(2)
+        j.discrepancy_nm > 0.0 || j.rms_nm.powi(2) > criteria.above_noise * j.noise_floor_nm.powi(2)
     };
     Unexplained {
         rms_nm: (a / rows.max(1) as f64).sqrt(),

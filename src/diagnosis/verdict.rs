@@ -12,7 +12,7 @@ use super::kinematics::{self, Lagging};
 use super::model::Model;
 use super::observed::Observed;
 use super::ranking::{self, named};
-use super::search::{Found, Round, Search, Standing, Weighed};
+use super::search::{Found, Gain, Round, Search, Standing, Weighed};
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
@@ -58,8 +58,7 @@ impl<'a> Findings<'a> {
             || kinematics::lagging(fit, check, settings),
         );
         let held = HeldOut::new(&alone.last, check);
-        let (last, standings, shrinks) =
-            called_causes(both, &found);
+        let (last, standings, shrinks) = called_causes(both, &found);
         let alone = Fit::plain(blind.data, Model::of(fit.twin));
         Self {
             search: both,
@@ -124,7 +123,8 @@ impl<'a> Findings<'a> {
 
     fn causes(&self) -> Vec<Cause> {
         let values = intervals::values(&self.last);
-        let mut all: Vec<Cause> = (0..self.standings.len()).map(|i| self.cause(i, &values[i])).collect();
+        let mut all: Vec<Cause> =
+            (0..self.standings.len()).map(|i| self.cause(i, &values[i])).collect();
         all.sort_by(|a, b| taken(&b.shrink).total_cmp(&taken(&a.shrink)));
         all
     }
@@ -142,10 +142,9 @@ impl<'a> Findings<'a> {
             value.low += has;
             value.high += has;
         }
-        let replaces = stated.first().map(|has| Replaced {
-            parameter: about.parameters[0].name.into(),
-            twin: *has,
-        });
+        let replaces = stated
+            .first()
+            .map(|has| Replaced { parameter: about.parameters[0].name.into(), twin: *has });
         Cause {
             effect: about.name.into(),
             joints: candidate.place.joints(),
@@ -223,7 +222,8 @@ impl<'a> Findings<'a> {
 
     fn notes(&self) -> Vec<String> {
         let mut notes: Vec<String> = self.lagging.iter().map(Lagging::says).collect();
-        let dropped = self.found.last.model.causes.iter().filter(|t| !self.last.model.has(t.candidate));
+        let dropped =
+            self.found.last.model.causes.iter().filter(|t| !self.last.model.has(t.candidate));
         for term in dropped {
             notes.push(format!(
                 "{} fits too, but takes nothing sure off the check recording",
@@ -238,7 +238,10 @@ impl<'a> Findings<'a> {
             .map(|c| super::candidate::describe(*c))
             .collect();
         if !blind.is_empty() {
-            notes.push(format!("a search of the fit recording alone also finds {}", blind.join(", ")));
+            notes.push(format!(
+                "a search of the fit recording alone also finds {}",
+                blind.join(", ")
+            ));
         }
         notes
     }
@@ -259,12 +262,12 @@ fn called_causes<'a>(
     loop {
         let standings = both.standings(&last);
         let judge = both.judge.as_ref();
-        let shrink =
-            |i: usize| judge.map_or_else(Checked::default, |judge| judge.shrink(&last.model, i));
-        let shrinks: Vec<Checked> = (0..standings.len()).map(shrink).collect();
+        let gain = |i: usize| judge.map_or_else(Gain::default, |judge| judge.gain(&last.model, i));
+        let gained: Vec<Gain> = (0..standings.len()).map(gain).collect();
         let fails = |i: &usize| {
-            let alone = last.model.causes[*i].candidate.recording.is_some();
-            let gains = alone || shrinks[*i].low > 0.0;
+            let candidate = last.model.causes[*i].candidate;
+            let gains =
+                judge.is_none_or(|judge| judge.agrees(&gained[*i], candidate, &both.criteria));
             let bound = standings[*i].cause().at_bound.is_some() || is_impossible(&last, *i);
             bound || !gains || ranking::probability(&standings[*i], &both.criteria) <= 0.5
         };
@@ -273,7 +276,10 @@ fn called_causes<'a>(
             .min_by(|a, b| standings[*a].cause().nats.total_cmp(&standings[*b].cause().nats));
         match weakest {
             Some(i) => last = both.without(&last, i),
-            None => return (last, standings, shrinks),
+            None => {
+                let shrinks = gained.iter().map(|g| g.shrink).collect();
+                return (last, standings, shrinks);
+            }
         }
     }
 }
@@ -289,10 +295,11 @@ fn is_impossible(fit: &Fit<'_>, i: usize) -> bool {
         *v < min - slack || *v > max + slack
     };
     // The first one makes the effect what it is.
-    linear.iter().enumerate().any(beyond) || linear.first().is_some_and(|v| {
-        let [min, _] = candidate.range(0, fit.data.twin);
-        min == 0.0 && *v <= 0.0
-    })
+    linear.iter().enumerate().any(beyond)
+        || linear.first().is_some_and(|v| {
+            let [min, _] = candidate.range(0, fit.data.twin);
+            min == 0.0 && *v <= 0.0
+        })
 }
 
 /// Values of the twin's open effects, one per joint.

@@ -30,8 +30,7 @@ pub fn promising<'s>(
 ) -> Vec<&'s Vec<f64>> {
     let longest = |a: &&Vec<f64>, b: &&Vec<f64>| a[1].total_cmp(&b[1]);
     let Some(whole) = starts.iter().max_by(longest) else { return Vec::new() };
-    let (windows, others): (Vec<_>, Vec<_>) =
-        starts.iter().partition(|s| s[2..] == whole[2..]);
+    let (windows, others): (Vec<_>, Vec<_>) = starts.iter().partition(|s| s[2..] == whole[2..]);
     let columns = fit.raw_kept(candidate, whole);
     let residuals: [Vec<Vec<f64>>; 2] = [
         (0..fit.data.joints()).map(|j| fit.innovations(j)).collect(),

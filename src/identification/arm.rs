@@ -5,7 +5,6 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::assemble::ArmProblem;
-use crate::regression::bounds::Bounds;
 use super::error::IdentificationError;
 use super::posterior::{self, Sampled};
 use super::problem::JointProblem;
@@ -14,6 +13,7 @@ use super::{
     Found, JointEstimate, MethodResult, ParameterEstimate, adaptive_metropolis, judge, pso,
     separable, shared,
 };
+use crate::regression::bounds::Bounds;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -12,8 +12,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::regression::bounds::Bounds;
 use super::quadratic::QuadraticCost;
+use crate::regression::bounds::Bounds;
 
 pub struct Coordinates<'a> {
     cost: &'a QuadraticCost,

@@ -8,9 +8,9 @@
 
 use nalgebra::{DMatrix, DVector, SVD};
 
+use crate::kernels::dot;
 use crate::regression::bounds::Bounds;
 use crate::regression::qr::Qr;
-use crate::kernels::dot;
 
 /// What is minimised.
 pub trait Residuals {

@@ -21,12 +21,12 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::adaptive_metropolis::{self as metropolis, Chain};
 use super::arm::Prepared;
-use crate::regression::bounds::Bounds;
 use super::coordinates::Coordinates;
 use super::error::IdentificationError;
 use super::problem::{Column, Curve, JointProblem};
 use super::quadratic::QuadraticCost;
 use super::{LEVEL, ParameterEstimate, judge, separable};
+use crate::regression::bounds::Bounds;
 use crate::statistics::{Autoregression, Convergence, Whitening};
 
 /// Fits after whitening with the residual of the one before.

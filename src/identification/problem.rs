@@ -13,9 +13,9 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::Goodness;
-use crate::regression::bounds::{Bounds, BoundsError};
 use super::levenberg_marquardt::Residuals;
 use crate::kernels::{axpy, dot, stribeck};
+use crate::regression::bounds::{Bounds, BoundsError};
 use crate::statistics;
 
 /// A parameter that is searched for.

@@ -15,12 +15,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::regression::bounds::Bounds;
 use super::chebyshev;
 use super::problem::{Curve, JointProblem};
-use crate::regression::qr::{Qr, back_substitute, project_out};
 use super::tables::Tables;
 use crate::kernels::{axpy, dot, dots, dots_of_rest};
+use crate::regression::bounds::Bounds;
+use crate::regression::qr::{Qr, back_substitute, project_out};
 
 /// Accuracy of the interpolants relative to the largest value.
 const ACCURACY: f64 = 1e-16;

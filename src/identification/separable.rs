@@ -6,11 +6,11 @@
 //! its whole range, every local minimum refined. That reaches the global optimum; a descent from
 //! one guess, as the paper's NLSE, need not.
 
-use crate::regression::bounds::Bounds;
-use crate::regression::brent;
 use super::levenberg_marquardt as lm;
 use super::problem::JointProblem;
 use super::quadratic::QuadraticCost;
+use crate::regression::bounds::Bounds;
+use crate::regression::brent;
 
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Settings {

@@ -10,14 +10,14 @@ use nalgebra::{DMatrix, DVector};
 
 use super::arm::Prepared;
 use super::assemble::ArmProblem;
-use crate::regression::bounds::Bounds;
 use super::error::IdentificationError;
 use super::judge::{self, WithExcess};
 use super::problem::{JointProblem, Parameter};
-use crate::regression::qr::{Qr, project_out};
 use super::{Found, ParameterEstimate, separable};
-use crate::regression::bounded;
 use crate::kernels::axpy;
+use crate::regression::bounded;
+use crate::regression::bounds::Bounds;
+use crate::regression::qr::{Qr, project_out};
 
 /// Rounds of fitting joints and shared parameters in turn.
 const MOST_ROUNDS: usize = 30;

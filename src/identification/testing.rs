@@ -5,9 +5,9 @@ use std::sync::Arc;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::regression::bounds::Bounds;
 use super::problem::{Column, Curve, JointProblem, Parameter};
 use crate::kernels::{axpy, stribeck};
+use crate::regression::bounds::Bounds;
 
 /// T_c, T_s, T_v1, T_v2, T_v3, w_s of [`problem`].
 pub const TRUTH: [f64; 6] = [6.0, 8.5, 9.0, -1.5, 0.8, 0.05];

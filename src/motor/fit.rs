@@ -12,9 +12,9 @@ use rayon::prelude::*;
 
 use super::model::{COUNT, index};
 use super::output_error::OutputError;
-use crate::regression::bounds::Bounds;
 use crate::identification::levenberg_marquardt::{self as lm, Residuals};
 use crate::identification::pso;
+use crate::regression::bounds::Bounds;
 
 /// What a search found.
 #[derive(Debug, Clone, PartialEq)]

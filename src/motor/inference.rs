@@ -14,8 +14,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::model::{COUNT, NAMES, index};
 use super::output_error::OutputError;
-use crate::regression::bounds::Bounds;
 use crate::identification::levenberg_marquardt::Residuals;
+use crate::regression::bounds::Bounds;
 use crate::statistics::{
     Design, LongRun, PValue, StatisticsError, cosine_covariance, normal_two_sided,
     student_quantile, student_two_sided,

@@ -13,8 +13,8 @@ use super::scenario::{Channel, Scenario};
 use super::sensitivity::{Sensitivities, simulate_with_sensitivities};
 use super::simulate::{Accuracy, simulate_each, simulate_into};
 use super::squares::Squares;
-use crate::regression::bounds::Bounds;
 use crate::identification::levenberg_marquardt::Residuals;
+use crate::regression::bounds::Bounds;
 use crate::statistics::noise_from_differences;
 
 pub struct OutputError<'a> {

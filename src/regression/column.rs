@@ -87,7 +87,8 @@ impl Column {
     pub fn gather(&mut self, factor: f64, other: &Self) {
         Arc::make_mut(&mut self.rows).gather(factor, &other.rows);
         self.taken.resize(other.taken.len(), Vec::new());
-        for (mine, theirs) in self.taken.iter_mut().zip(&other.taken).filter(|(_, t)| !t.is_empty()) {
+        for (mine, theirs) in self.taken.iter_mut().zip(&other.taken).filter(|(_, t)| !t.is_empty())
+        {
             mine.resize(theirs.len(), 0.0);
             crate::kernels::axpy(factor, theirs, mine);
         }

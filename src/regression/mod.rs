@@ -1,10 +1,10 @@
 //! Least squares over the rows of recordings: columns, bounds, solvers. Knows no effect's name.
 
 mod blocks;
-mod column;
 pub mod bounded;
 pub mod bounds;
 pub mod brent;
+mod column;
 pub mod qr;
 pub mod random_effects;
 mod system;

@@ -211,9 +211,8 @@ impl<'a> Profile<'a> {
         let metric = self.features.metric(steps);
         let taken: Vec<Vec<f64>> = self.products.iter().map(|p| metric.taken(p)).collect();
         let n = taken.len();
-        let gram = DMatrix::from_fn(n, n, |i, k| {
-            self.gram[(i, k)] - kernels::dot(&taken[i], &taken[k])
-        });
+        let gram =
+            DMatrix::from_fn(n, n, |i, k| self.gram[(i, k)] - kernels::dot(&taken[i], &taken[k]));
         let left = remaining(&gram);
         ln_likelihood(left, self.rows, self.least) - 0.5 * metric.ln_det - metric.price()
     }
@@ -276,8 +275,10 @@ const ENTRIES: [u8; 3] = [2, 5, 8];
 /// matrix.
 fn remaining(gram: &DMatrix<f64>) -> f64 {
     let p = gram.nrows() - 1;
-    let scale: Vec<f64> =
-        (0..p).map(|i| gram[(i, i)].max(0.0).sqrt()).map(|s| if s > 0.0 { s } else { 1.0 }).collect();
+    let scale: Vec<f64> = (0..p)
+        .map(|i| gram[(i, i)].max(0.0).sqrt())
+        .map(|s| if s > 0.0 { s } else { 1.0 })
+        .collect();
     let scaled = DMatrix::from_fn(p, p, |i, k| {
         gram[(i, k)] / (scale[i] * scale[k]) + if i == k { 1e-10 } else { 0.0 }
     });
@@ -342,8 +343,7 @@ mod tests {
             let n = ROWS as f64;
             let there = steps.iter().filter(|s| **s > 0).count() as f64;
             let price = there * f64::from(STEPS).ln();
-            let exact =
-                -0.5 * (n * (left / n).ln() + n + covariance.determinant().ln()) - price;
+            let exact = -0.5 * (n * (left / n).ln() + n + covariance.determinant().ln()) - price;
             let found = profile.ln_likelihood(&steps);
             assert!((found - exact).abs() < 1e-6, "{steps:?}: {found} {exact}");
         }

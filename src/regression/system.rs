@@ -135,8 +135,7 @@ impl Normal {
 impl System {
     /// `priors` are standard deviations, one per column.
     pub fn solve(normal: &Normal, metric: &Metric, weights: Vec<f64>, priors: Vec<f64>) -> Self {
-        let columns: Vec<Column> =
-            normal.columns.iter().map(|c| Column::new(c, metric)).collect();
+        let columns: Vec<Column> = normal.columns.iter().map(|c| Column::new(c, metric)).collect();
         let information = normal.information(&columns, &weights, &priors);
         let n = columns.len();
         let scale = information.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });

@@ -34,8 +34,7 @@ fn ranking(ranking: &[Ranked]) -> String {
         0 => String::new(),
         more => format!("\n{more} more in diagnosis.json"),
     };
-    let legend =
-        "\nnats: evidence beside what else is there, a discrepancy of any shape included";
+    let legend = "\nnats: evidence beside what else is there, a discrepancy of any shape included";
     titled("Which effect: candidates", &format!("{rows}{rest}{legend}"))
 }
 

@@ -2,8 +2,9 @@
 
 use super::{causes, page};
 use crate::diagnosis::{
-    Cause, Checked, Criteria, Dependence, Diagnosis, Gap, JointGap, JointShrink, Named, Ranked, Regime, Replaced, Shrink,
-    SimulationShrink, TorqueShrink, Unexplained, UnexplainedJoint, Untestable, Value, Verdict, words,
+    Cause, Checked, Criteria, Dependence, Diagnosis, Gap, JointGap, JointShrink, Named, Ranked,
+    Regime, Replaced, Shrink, SimulationShrink, TorqueShrink, Unexplained, UnexplainedJoint,
+    Untestable, Value, Verdict, words,
 };
 
 fn unexplained(above_noise: bool) -> Unexplained {

@@ -4,7 +4,8 @@ use super::judged::judge;
 use super::rows::{brier, coverage, goals, level, of_oracle};
 use super::{Judged, Share};
 use crate::diagnosis::{
-    Cause, Checked, Criteria, Diagnosis, Gap, Named, Ranked, Settings, Shrink, Unexplained, Value, Verdict,
+    Cause, Checked, Criteria, Diagnosis, Gap, Named, Ranked, Settings, Shrink, Unexplained, Value,
+    Verdict,
 };
 use crate::signals::Conditioning;
 use crate::trials::{Answer, BaselineAnswer, Hidden, Kind, Method, Strength, TrueValue, Truth};
