@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What is decided by number. Each has a meaning of its own; a page made by
-/// `armtwin trial criteria` shows how little the answers hang on them.
+/// What is decided by number, each with a meaning of its own; echoed in every answer.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Criteria {

@@ -32,7 +32,8 @@ const METHOD: &str = "What a twin leaves of the recorded torque is held against 
 at points along all links (tau = -J^T F), beside what the twin leaves when nothing touches. Friction \
 of a joint at rest holds any torque between its limits: a standing arm shows a push only as far as it \
 exceeds that, and the uncertainty of a peak says so. The twin's open values are fitted to another \
-recording; nothing was chosen for these files one by one.";
+recording. The criteria were set with these recordings in view, so that rates on another arm may be \
+worse.";
 
 const SENSED: &str = "`Movement_No10_Standstill_ForceSensor_All`: pushes by hand in all directions. \
 *Sensor*: size of the force less its mean over the first second, where it is above 5 N. Estimates \
