@@ -63,9 +63,9 @@ struct Sums {
 impl Sums {
     fn new(fit: &Fit<'_>, candidate: Candidate, columns: &[Raw], residual: &[Vec<f64>]) -> Self {
         let mut rows: Vec<(f64, Matrix3<f64>, Vector3<f64>)> = Vec::new();
-        for j in 0..fit.data.joints() {
+        for (j, residual) in residual.iter().enumerate() {
             let variance = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>() / r.len().max(1) as f64;
-            let weight = 1.0 / variance(&residual[j]).max(fit.data.least(j)).max(f64::MIN_POSITIVE);
+            let weight = 1.0 / variance(residual).max(fit.data.least(j)).max(f64::MIN_POSITIVE);
             let mut row = 0;
             for part in &fit.data.parts {
                 let here = candidate.recording.is_none_or(|r| r == part.index);
@@ -73,7 +73,7 @@ impl Sums {
                     let at = |c: &Raw| c.rows.0[j].get(row).copied().unwrap_or(0.0);
                     let c = Vector3::from_iterator(columns.iter().map(at));
                     if here {
-                        let pull = c * residual[j][row] * weight;
+                        let pull = c * residual[row] * weight;
                         rows.push((part.samples.time(k), c * c.transpose() * weight, pull));
                     }
                     row += 1;
