@@ -9,7 +9,7 @@ use super::fit::Fit;
 use super::{Value, slow, windows};
 use crate::effects::{Parameter, Role};
 use crate::regression::{Normal, Raw, System};
-use crate::statistics::{effective_samples, normal_quantile};
+use crate::statistics::{effective_samples, normal_quantile, student_quantile};
 
 /// Of the intervals.
 pub const LEVEL: f64 = 0.9;
@@ -32,8 +32,6 @@ pub fn values(fit: &Fit<'_>) -> Vec<Vec<Value>> {
 /// The same of a fit as it is.
 pub(super) fn of_fit(fit: &Fit<'_>) -> Vec<Vec<Value>> {
     let (systems, places) = information(fit);
-    let variance = |column: usize| variance(&systems, column);
-    let wide = normal_quantile(1.0 - LEVEL);
     let cause = |i: usize| {
         let values = fit.values(i);
         let candidate = fit.model.causes[i].candidate;
@@ -44,7 +42,7 @@ pub(super) fn of_fit(fit: &Fit<'_>) -> Vec<Vec<Value>> {
             windows.as_ref()?.iter().find(at).map(|(_, ends)| *ends)
         };
         let value = |(k, (p, value)): (usize, (&Parameter, f64))| {
-            let half = places[i][k].map_or(0.0, |column| wide * variance(column).sqrt());
+            let half = places[i][k].map_or(0.0, |column| half_width(&systems, column));
             let [low, high] = window(k).unwrap_or([value - half, value + half]);
             let [min, max] = candidate.range(k, fit.data.twin);
             let near = 1e-3 * (max - min).min(1e6);
@@ -111,16 +109,22 @@ struct Systems {
     without: Vec<System>,
 }
 
-/// What the information gives, or what it comes to when one joint after the other is left out, where that
-/// is more: the parameters of a load are wrong by what any joint's scale and links are (the jackknife:
-/// Efron, "The jackknife, the bootstrap and other resampling plans", 1982, section 3).
-fn variance(systems: &Systems, column: usize) -> f64 {
+/// Of a 90 % interval: what the information gives, or what it comes to when one joint after the other is
+/// left out, where that is more: the parameters of a load are wrong by what any joint's scale and links
+/// are (the jackknife with Student's t: Efron, "The jackknife, the bootstrap and other resampling plans",
+/// 1982, section 3).
+fn half_width(systems: &Systems, column: usize) -> f64 {
     let Systems { all, without } = systems;
     let own = all.variance(column);
+    let by_rows = normal_quantile(1.0 - LEVEL) * own.sqrt();
     let n = without.len() as f64;
     let told = |s: &&System| s.variance(column) < UNTOLD * own;
     let moved = without.iter().filter(told).map(|s| (s.x[column] - all.x[column]).powi(2));
-    own.max((n - 1.0) / n.max(1.0) * moved.sum::<f64>())
+    let by_joints = ((n - 1.0) / n.max(1.0) * moved.sum::<f64>()).max(0.0).sqrt();
+    match n > 1.0 {
+        true => by_rows.max(student_quantile(1.0 - LEVEL, n - 1.0) * by_joints),
+        false => by_rows,
+    }
 }
 
 /// Times the variance from all joints, from which on the others do not tell a parameter.

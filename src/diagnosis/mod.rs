@@ -3,6 +3,7 @@
 mod answer;
 mod bootstrap;
 mod bound;
+mod built;
 mod candidate;
 mod conditioning;
 mod criteria;

@@ -19,7 +19,7 @@ use super::refine::{self, Trial};
 use super::screen::{Screened, screen};
 
 /// Candidates that are refined and weighed in full: a screening is right to within a few.
-const WEIGHED: usize = 6;
+const WEIGHED: usize = 10;
 /// Behind the best at its start, of its evidence and in nats: from there refining may come first.
 const NEAR_SHARE: f64 = 0.4;
 const NEAR_NATS: f64 = 10.0;
@@ -170,8 +170,8 @@ impl<'a> Search<'a> {
         self.candidates.iter().filter(|c| !there(c)).copied().collect()
     }
 
-    /// The best, and what is best at other joints where nothing that acts on several does better there:
-    /// an arm's drives are alike, and lack the same.
+    /// The best cause that acts on several joints, or the best of every joint where those have more
+    /// evidence together: an arm's drives are alike, and lack the same.
     fn added(
         &self,
         start: &Fit<'a>,
@@ -199,22 +199,20 @@ impl<'a> Search<'a> {
                 && self.worth(start, state, h) > self.criteria.least_nats
                 && agrees(h)
         };
-        let mut good = ranked.iter().filter(enough);
-        let Some(best) = good.next() else {
+        let good: Vec<&Hypothesis<'a>> = ranked.iter().filter(enough).collect();
+        let Some(best) = good.first() else {
             return (Round { weighed, added: vec![] }, None);
         };
-        let mut added = vec![best];
-        if best.candidate().extent() != Extent::Several {
-            for other in good {
-                if other.candidate().extent() == Extent::Several {
-                    break;
-                }
-                let meets = |h: &&Hypothesis| h.candidate().extent() == other.candidate().extent();
-                if !added.iter().any(meets) {
-                    added.push(other);
-                }
+        let mut singles: Vec<&Hypothesis<'a>> = Vec::new();
+        for h in good.iter().filter(|h| h.candidate().extent() != Extent::Several) {
+            if !singles.iter().any(|s| s.candidate().extent() == h.candidate().extent()) {
+                singles.push(h);
             }
         }
+        // One cause for several joints against one for each: what has more evidence in all.
+        let together: f64 = singles.iter().map(|h| h.nats).sum();
+        let several = best.candidate().extent() == Extent::Several && best.nats >= together;
+        let added = if several { vec![*best] } else { singles };
         let names = added.iter().map(|h| h.candidate()).collect();
         let next = match added[..] {
             [only] => only.fit.clone(),
@@ -290,7 +288,15 @@ impl<'a> Search<'a> {
             adopted
         };
         let Adopted { trial, fit, at_bound, .. } = adopted;
-        let fit = self.tuned(fit, &self.touched(trial.candidate));
+        // From either side: sizes may stay at what is best nearby.
+        let touched = self.touched(trial.candidate);
+        let sides = [
+            self.tuned(fit.clone().beside(state.sizes.clone()), &touched),
+            self.tuned(fit, &touched),
+        ];
+        let [from_large, from_small] = sides;
+        let large = from_large.ln_evidence() > from_small.ln_evidence();
+        let fit = if large { from_large } else { from_small };
         let nats = fit.ln_evidence() - state.ln_evidence() - self.ln_rivals();
         Hypothesis { trial, fit, nats, at_bound }
     }
@@ -335,6 +341,8 @@ impl<'a> Search<'a> {
         self.tuned(without, &self.touched(cause))
     }
 
+    /// What might be there in place of a cause, where it acts: what acts on more joints takes what other
+    /// causes are for, and competes in a round.
     fn rivals(
         &self,
         fit: &Fit<'a>,
@@ -343,7 +351,7 @@ impl<'a> Search<'a> {
         most: usize,
     ) -> Vec<Hypothesis<'a>> {
         let mut open = self.open(&fit.model);
-        open.retain(|c| c.extent().meets(cause.extent()));
+        open.retain(|c| c.extent() == cause.extent());
         self.weigh(without, screen(without, &open), most)
     }
 

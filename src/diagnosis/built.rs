@@ -1,0 +1,118 @@
+//! The columns of a model along one recording, in the order of the catalogue.
+
+use std::sync::Arc;
+
+use nalgebra::DVector;
+
+use super::candidate::{Candidate, Term, sense, shown};
+use super::model::Model;
+use super::observed::{Observed, Series};
+use crate::effects::{Motion, Scope};
+use crate::regression::Blocks;
+use crate::series::JointSeries;
+
+/// A model's columns on one recording.
+pub struct Built {
+    /// Recorded torque less what the twin knows, at the rows, N.m.
+    pub y: Blocks,
+    pub columns: Vec<Blocks>,
+    /// The columns of every term over all samples, before sensors.
+    series: Vec<Arc<Series>>,
+}
+
+impl Built {
+    pub fn new(observed: &Observed<'_>, model: &Model) -> Self {
+        let mut built = Self { y: observed.torque.clone(), columns: vec![], series: vec![] };
+        built.series = vec![Arc::default(); model.terms().count()];
+        let terms: Vec<&Term> = model.terms().collect();
+        let mut columns = vec![Arc::default(); terms.len()];
+        // In the order of the catalogue, each with the torque of those before it, as last fitted.
+        let mut order: Vec<usize> = (0..terms.len()).collect();
+        order.sort_by_key(|&i| terms[i].candidate.order());
+        let mut known = observed.known.clone();
+        for i in order {
+            let term = terms[i];
+            let key = key(model, term.candidate, &term.nonlinear) + &format!("{:?}", term.held);
+            let series = || signature(observed, model, term, &known);
+            let show = |series: &Series| -> Vec<Blocks> {
+                series.iter().map(|c| shown(observed, &model.causes, c.clone())).collect()
+            };
+            if follows(model, term.candidate) {
+                built.series[i] = Arc::new(series());
+                columns[i] = Arc::new(show(&built.series[i]));
+            } else {
+                built.series[i] = observed.series(&key, series);
+                columns[i] = observed.kept(&format!("term {key}"), || show(&built.series[i]));
+            }
+            for (column, value) in built.series[i].iter().zip(&term.linear) {
+                add(&mut known, *value, column);
+            }
+        }
+        built.columns = columns.iter().flat_map(|c| c.iter().cloned()).collect();
+        let known = (0..observed.joints()).map(|j| {
+            let series = observed.known.joint(j).to_vec();
+            observed.block(j, &sense(observed, &model.causes, j, series))
+        });
+        built.y.add_scaled(-1.0, &Blocks(known.collect()));
+        built
+    }
+
+    /// What the model gives at the values `x`, over all samples, N.m.
+    pub fn modelled(&self, observed: &Observed<'_>, x: &DVector<f64>) -> JointSeries {
+        let mut sum = observed.known.clone();
+        for (column, x) in self.series.iter().flat_map(|s| s.iter()).zip(x.iter()) {
+            add(&mut sum, *x, column);
+        }
+        sum
+    }
+
+    /// Recorded less what the model gives at the values `x`, at the rows, N.m.
+    pub fn residual(&self, x: &DVector<f64>) -> Blocks {
+        let mut residual = self.y.clone();
+        for (column, x) in self.columns.iter().zip(x.iter()) {
+            residual.add_scaled(-x, column);
+        }
+        residual
+    }
+}
+
+/// Do the columns of a candidate change with values of the model, so that keeping them is of no use?
+pub fn follows(model: &Model, candidate: Candidate) -> bool {
+    candidate.effect.follows_drive() || model.causes.iter().any(|t| t.candidate.senses())
+}
+
+/// All that the columns of an effect depend on, where they follow no value of the model.
+pub fn key(model: &Model, candidate: Candidate, nonlinear: &[f64]) -> String {
+    let recording = candidate.recording;
+    let key = format!("{candidate:?} {recording:?} {nonlinear:?}");
+    match candidate.effect.depends_on_load() {
+        true => {
+            let carried: Vec<_> = model.laden.bodies.iter().map(|b| b.inertia).collect();
+            key + &format!("{carried:?} {:?}", model.laden.gravity)
+        }
+        false => key,
+    }
+}
+
+fn add(sum: &mut JointSeries, factor: f64, column: &[Vec<f64>]) {
+    for (joint, series) in column.iter().enumerate() {
+        sum.joint_mut(joint).iter_mut().zip(series).for_each(|(s, c)| *s += factor * c);
+    }
+}
+
+/// The columns of a term where the drive supplies `known` without it.
+fn signature(observed: &Observed<'_>, model: &Model, term: &Term, known: &JointSeries) -> Series {
+    let under;
+    let robot = match term.candidate.effect.about().scope {
+        Scope::Joint => &model.laden,
+        _ => {
+            let place = term.candidate.order();
+            under = model.laden_with(observed.twin, |c| c.order() < place);
+            &under
+        }
+    };
+    let rigid = observed.rigid(robot);
+    let (known, rigid) = (Some(known), Some(&*rigid));
+    let motion = Motion { known, rigid, ..observed.motion(robot) };
+    term.series(&motion, observed.index)
+}
