@@ -123,8 +123,10 @@ impl<'a> Findings<'a> {
 
     fn causes(&self) -> Vec<Cause> {
         let values = intervals::values(&self.last);
+        // Slow torque may say that nothing is there.
+        let inside = |i: &usize| values[*i].first().is_none_or(|v| !v.at_bound);
         let mut all: Vec<Cause> =
-            (0..self.standings.len()).map(|i| self.cause(i, &values[i])).collect();
+            (0..self.standings.len()).filter(inside).map(|i| self.cause(i, &values[i])).collect();
         all.sort_by(|a, b| taken(&b.shrink).total_cmp(&taken(&a.shrink)));
         all
     }
