@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use nalgebra::DVector;
-
 use super::built::{Built, follows, key};
 use super::candidate::{Candidate, Place, Term, acts_on, sense, shown};
 use super::data::Data;
