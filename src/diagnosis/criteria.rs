@@ -1,4 +1,4 @@
-//! The constants that decide an answer: all of them.
+//! The thresholds of an answer.
 
 use serde::{Deserialize, Serialize};
 
