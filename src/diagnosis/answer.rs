@@ -109,8 +109,8 @@ pub struct Cause {
     /// What would look the same in these data, the more plausible first.
     pub equivalent: Vec<Named>,
     pub parameters: Vec<Value>,
-    /// On the check recording, when this cause is added to all the others; values from the fit
-    /// recording alone.
+    /// On the check recording beside the discrepancy, when this cause is added to all the others;
+    /// values from the fit recording alone.
     pub shrink: Checked,
     /// Is a value changed that the twin states?
     #[serde(default, skip_serializing_if = "Option::is_none")]

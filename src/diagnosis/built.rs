@@ -15,7 +15,8 @@ use crate::series::JointSeries;
 pub struct Built {
     /// Recorded torque less what the twin knows, at the rows, N.m.
     pub y: Blocks,
-    pub columns: Vec<Blocks>,
+    /// Of every term.
+    pub columns: Vec<Arc<Vec<Blocks>>>,
     /// The columns of every term over all samples, before sensors.
     series: Vec<Arc<Series>>,
 }
@@ -23,32 +24,32 @@ pub struct Built {
 impl Built {
     pub fn new(observed: &Observed<'_>, model: &Model) -> Self {
         let mut built = Self { y: observed.torque.clone(), columns: vec![], series: vec![] };
-        built.series = vec![Arc::default(); model.terms().count()];
         let terms: Vec<&Term> = model.terms().collect();
-        let mut columns = vec![Arc::default(); terms.len()];
+        built.series = vec![Arc::default(); terms.len()];
+        built.columns = vec![Arc::default(); terms.len()];
         // In the order of the catalogue, each with the torque of those before it, as last fitted.
         let mut order: Vec<usize> = (0..terms.len()).collect();
         order.sort_by_key(|&i| terms[i].candidate.order());
         let mut known = observed.known.clone();
         for i in order {
             let term = terms[i];
-            let key = key(model, term.candidate, &term.nonlinear) + &format!("{:?}", term.held);
+            let key = of_term(model, term);
             let series = || signature(observed, model, term, &known);
             let show = |series: &Series| -> Vec<Blocks> {
                 series.iter().map(|c| shown(observed, &model.causes, c.clone())).collect()
             };
-            if follows(model, term.candidate) {
-                built.series[i] = Arc::new(series());
-                columns[i] = Arc::new(show(&built.series[i]));
-            } else {
-                built.series[i] = observed.series(&key, series);
-                columns[i] = observed.kept(&format!("term {key}"), || show(&built.series[i]));
-            }
+            built.series[i] = match follows(term.candidate) {
+                true => Arc::new(series()),
+                false => observed.series(&key, series),
+            };
+            built.columns[i] = match is_kept(model, term.candidate) {
+                true => observed.kept(&key, || show(&built.series[i])),
+                false => Arc::new(show(&built.series[i])),
+            };
             for (column, value) in built.series[i].iter().zip(&term.linear) {
                 add(&mut known, *value, column);
             }
         }
-        built.columns = columns.iter().flat_map(|c| c.iter().cloned()).collect();
         let known = (0..observed.joints()).map(|j| {
             let series = observed.known.joint(j).to_vec();
             observed.block(j, &sense(observed, &model.causes, j, series))
@@ -69,16 +70,47 @@ impl Built {
     /// Recorded less what the model gives at the values `x`, at the rows, N.m.
     pub fn residual(&self, x: &DVector<f64>) -> Blocks {
         let mut residual = self.y.clone();
-        for (column, x) in self.columns.iter().zip(x.iter()) {
+        for (column, x) in self.columns.iter().flat_map(|c| c.iter()).zip(x.iter()) {
             residual.add_scaled(-x, column);
         }
         residual
     }
 }
 
-/// Do the columns of a candidate change with values of the model, so that keeping them is of no use?
-pub fn follows(model: &Model, candidate: Candidate) -> bool {
-    candidate.effect.follows_drive() || model.causes.iter().any(|t| t.candidate.senses())
+/// Do the columns of a candidate change with all values of the model, so that keeping them is of no use?
+pub fn follows(candidate: Candidate) -> bool {
+    candidate.effect.follows_drive()
+}
+
+/// Does the model change the recorded channels? What rows show is then kept for as long as it does so alike.
+fn has_sensor(model: &Model) -> bool {
+    model.causes.iter().any(|t| t.candidate.senses())
+}
+
+/// Are what rows show of a term kept? A delay that is being refined is another each time.
+pub fn is_kept(model: &Model, candidate: Candidate) -> bool {
+    !follows(candidate) && !has_sensor(model)
+}
+
+/// Series of a candidate over all samples of a recording, kept where sensors show them ever anew.
+pub fn series(
+    observed: &Observed<'_>,
+    model: &Model,
+    candidate: Candidate,
+    nonlinear: &[f64],
+    motion: &Motion<'_>,
+) -> Arc<Series> {
+    let fresh = || candidate.series(motion, nonlinear, observed.index);
+    match has_sensor(model) && !follows(candidate) {
+        true => observed.series(&key(model, candidate, nonlinear), fresh),
+        false => Arc::new(fresh()),
+    }
+}
+
+/// Of the sensors of a model.
+pub fn of_sensors(model: &Model) -> String {
+    let sensors = model.causes.iter().filter(|t| t.candidate.senses());
+    sensors.map(|t| format!(" {:?} {:?}", t.candidate, t.nonlinear)).collect()
 }
 
 /// All that the columns of an effect depend on, where they follow no value of the model.
@@ -92,6 +124,11 @@ pub fn key(model: &Model, candidate: Candidate, nonlinear: &[f64]) -> String {
         }
         false => key,
     }
+}
+
+/// The same for the columns of a term that are not held.
+pub fn of_term(model: &Model, term: &Term) -> String {
+    format!("term {} {:?}", key(model, term.candidate, &term.nonlinear), term.held)
 }
 
 fn add(sum: &mut JointSeries, factor: f64, column: &[Vec<f64>]) {

@@ -14,9 +14,11 @@ pub struct Criteria {
     pub inexact: f64,
     /// Odds within which two names are told in one breath.
     pub equal_odds: f64,
-    /// Of the check recording's mean square at the joint where it takes off most: a cause that takes off
-    /// less is nothing to act on, and no signature is exact to less.
+    /// Of what the other causes leave of the check recording, at the joint where it takes off most: a
+    /// cause that takes off less is nothing to act on.
     pub least_gain: f64,
+    /// The same at a joint that has a discrepancy beside the causes: there no law is exact to less.
+    pub least_gain_inexact: f64,
     /// Mean square over that of the noise from which something is left.
     pub above_noise: f64,
     /// Causes looked for, at most: more of them describe rather than explain.
@@ -30,6 +32,7 @@ impl Default for Criteria {
             inexact: 1e-3,
             equal_odds: 20.0,
             least_gain: 0.03,
+            least_gain_inexact: 0.1,
             above_noise: 1.5,
             most_causes: 10,
         }

@@ -10,7 +10,7 @@ use super::Settings;
 use super::discrepancy::{Discrepancy, GROUPS};
 use super::observed::Observed;
 use crate::regression::random_effects::{Features, JointMetric, Metric, ln_likelihood};
-use crate::regression::{Blocks, Raw};
+use crate::regression::{Blocks, Column, Raw};
 use crate::twin::Twin;
 
 /// Share of the sensors' noise floor that no model is believed to fall short of: the floor is an
@@ -105,16 +105,21 @@ impl<'a> Data<'a> {
         Self { features: Arc::new(features), shares, kept: Mutex::default(), ..self }
     }
 
+    /// Columns that `work_out` makes of every recording.
+    pub fn fresh(&self, work_out: impl Fn(usize) -> Vec<Blocks>) -> Vec<Raw> {
+        let parts: Vec<Vec<Blocks>> = (0..self.parts.len()).map(work_out).collect();
+        let count = parts.first().map_or(0, Vec::len);
+        let column = |i: usize| self.raw(parts.iter().map(|p| p[i].clone()).collect());
+        (0..count).map(column).collect()
+    }
+
     /// Columns by all that they depend on, worked out once; `work_out` makes those of a recording.
     pub fn kept(&self, key: &str, work_out: impl Fn(usize) -> Vec<Blocks>) -> Arc<Vec<Raw>> {
         if let Some(columns) = self.kept.lock().ok().and_then(|kept| kept.get(key).cloned()) {
             return columns;
         }
-        let parts = self.parts.iter().enumerate();
-        let parts: Vec<_> = parts.map(|(p, o)| o.kept(key, || work_out(p))).collect();
-        let count = parts.first().map_or(0, |p| p.len());
-        let column = |i: usize| self.raw(parts.iter().map(|p| p[i].clone()).collect());
-        let columns: Arc<Vec<Raw>> = Arc::new((0..count).map(column).collect());
+        let part = |p: usize| self.parts[p].kept(key, || work_out(p)).to_vec();
+        let columns = Arc::new(self.fresh(part));
         if let Ok(mut kept) = self.kept.lock() {
             kept.insert(key.into(), columns.clone());
         }
@@ -129,6 +134,20 @@ impl<'a> Data<'a> {
     pub fn metric(&self, steps: &[Vec<u8>]) -> Metric {
         let joint = |(f, s): (&Features, &Vec<u8>)| f.metric(s);
         Metric { joints: self.features.iter().zip(steps).map(joint).collect() }
+    }
+
+    /// The most likely discrepancy of a joint for a residual, N.m at its rows; empty where there is
+    /// none.
+    pub fn discrepancy(&self, j: usize, residual: &Column, metric: &Metric) -> Vec<f64> {
+        let (features, metric) = (&self.features[j], &metric.joints[j]);
+        if metric.is_plain() || self.rows(j) == 0 {
+            return Vec::new();
+        }
+        let coefficients = metric.coefficients(residual.taken(j), features.columns.len());
+        let mut sum = features.sum(&coefficients, None);
+        let root = self.shares[j].sqrt();
+        sum.iter_mut().for_each(|d| *d /= root);
+        sum
     }
 
     /// Log-likelihood of a joint's rows that leave `squares` in a metric, the discrepancy integrated

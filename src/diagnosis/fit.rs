@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::built::{Built, follows, key};
+use super::built::{self, Built, follows, is_kept, key, of_sensors, of_term};
 use super::candidate::{Candidate, Place, Term, acts_on, sense, shown};
 use super::data::Data;
 use super::model::Model;
@@ -62,10 +62,8 @@ impl<'a> Fit<'a> {
 
     fn once(data: &'a Data<'a>, mut model: Model, sizes: Vec<Vec<u8>>) -> Self {
         let built: Vec<Built> = data.parts.iter().map(|p| Built::new(p, &model)).collect();
-        let count = built[0].columns.len();
-        let column = |i: usize| data.raw(built.iter().map(|b| b.columns[i].clone()).collect());
-        let columns: Vec<Raw> = (0..count).map(column).collect();
-        let y = data.raw(built.iter().map(|b| b.y.clone()).collect());
+        let columns = columns(data, &model, &built);
+        let y = recorded(data, &model, &built);
         let normal = Normal::new(columns, y);
         let metric = data.metric(&sizes);
         let system = solved(data, &model, &normal, &metric);
@@ -137,38 +135,28 @@ impl<'a> Fit<'a> {
 
     /// The most likely discrepancy of a joint, N.m at its rows; empty where there is none.
     pub fn discrepancy(&self, j: usize) -> Vec<f64> {
-        let (features, metric) = (&self.data.features[j], &self.metric.joints[j]);
-        if metric.is_plain() || self.data.rows(j) == 0 {
-            return Vec::new();
-        }
-        let taken = self.system.residual.taken(j);
-        let mut sum = features.sum(&metric.coefficients(taken, features.columns.len()), None);
-        let root = self.data.shares[j].sqrt();
-        sum.iter_mut().for_each(|d| *d /= root);
-        sum
+        self.data.discrepancy(j, &self.system.residual, &self.metric)
     }
 
     /// The columns of a further candidate, as the rows show them.
     pub fn raw(&self, candidate: Candidate, nonlinear: &[f64]) -> Vec<Raw> {
-        let parts: Vec<Vec<Blocks>> =
-            (0..self.data.parts.len()).map(|p| self.blocks(p, candidate, nonlinear)).collect();
-        let column = |i: usize| self.data.raw(parts.iter().map(|p| p[i].clone()).collect());
-        (0..candidate.linear()).map(column).collect()
+        self.data.fresh(|p| self.blocks(p, candidate, nonlinear))
     }
 
     /// Of one recording.
     fn blocks(&self, p: usize, candidate: Candidate, nonlinear: &[f64]) -> Vec<Blocks> {
         let (observed, sensors) = (self.data.parts[p], &self.model.causes);
-        let series = candidate.series(&self.motion_of(p), nonlinear, observed.index);
-        series.into_iter().map(|column| shown(observed, sensors, column)).collect()
+        let motion = self.motion_of(p);
+        let series = built::series(observed, &self.model, candidate, nonlinear, &motion);
+        series.iter().map(|column| shown(observed, sensors, column.clone())).collect()
     }
 
     /// The same, kept for the next time where the effect does not depend on values of the model.
     pub fn raw_kept(&self, candidate: Candidate, nonlinear: &[f64]) -> Arc<Vec<Raw>> {
-        if follows(&self.model, candidate) {
+        if follows(candidate) {
             return Arc::new(self.raw(candidate, nonlinear));
         }
-        let key = key(&self.model, candidate, nonlinear);
+        let key = key(&self.model, candidate, nonlinear) + &of_sensors(&self.model);
         self.data.kept(&key, |p| self.blocks(p, candidate, nonlinear))
     }
 
@@ -228,8 +216,7 @@ impl<'a> Fit<'a> {
         let mut free = self.model.clone();
         free.causes.iter_mut().for_each(|t| t.held.fill(false));
         let built: Vec<Built> = self.data.parts.iter().map(|p| Built::new(p, &free)).collect();
-        let column = |i: usize| built.iter().map(|b| b.columns[i].clone()).collect();
-        (0..built[0].columns.len()).map(|i| self.data.raw(column(i))).collect()
+        columns(self.data, &free, &built)
     }
 
     /// What another model gives at the values of this one, less the recorded torque, N.m.
@@ -240,6 +227,26 @@ impl<'a> Fit<'a> {
             residual
         };
         self.data.raw(self.data.parts.iter().map(minus).collect())
+    }
+}
+
+/// The columns of all terms of a model; those that follow no value of it are kept.
+fn columns(data: &Data<'_>, model: &Model, built: &[Built]) -> Vec<Raw> {
+    let of = |(i, term): (usize, &Term)| {
+        let parts = |p: usize| built[p].columns[i].to_vec();
+        match is_kept(model, term.candidate) {
+            true => data.kept(&of_term(model, term), parts).to_vec(),
+            false => data.fresh(parts),
+        }
+    };
+    model.terms().enumerate().flat_map(of).collect()
+}
+
+/// Recorded torque less what the twin knows: without a sensor the same for all models.
+fn recorded(data: &Data<'_>, model: &Model, built: &[Built]) -> Raw {
+    match model.causes.iter().any(|t| t.candidate.senses()) {
+        true => data.raw(built.iter().map(|b| b.y.clone()).collect()),
+        false => data.kept("recorded", |p| vec![built[p].y.clone()])[0].clone(),
     }
 }
 

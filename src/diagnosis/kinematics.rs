@@ -25,8 +25,8 @@ const CLEAR: f64 = 5.0;
 const LEAST_SHARE: f64 = 0.05;
 /// Of the sample interval: positions and velocities are not taken at one instant better than this.
 const SIMULTANEOUS: f64 = 1.0 / 8.0;
-/// Standard deviations within which joints lag alike.
-const ALIKE: f64 = 4.0;
+/// Of a joint's lag: as far from one value for all, three quarters of what its own would take off are taken off.
+const ALIKE: f64 = 0.5;
 /// That a lag found this clearly is none.
 const DOUBT: f64 = 0.03;
 
@@ -74,8 +74,7 @@ pub fn lagging(fit: &Observed<'_>, check: &Observed<'_>, settings: &Settings) ->
     let late: Vec<(usize, Lag)> = late.collect();
     let strongest = late.iter().max_by(|a, b| a.1.z().total_cmp(&b.1.z()))?;
     let all = pooled(&late);
-    let alike =
-        |(_, lag): &(usize, Lag)| (lag.value - all.value).abs() < ALIKE * lag.sd.hypot(all.sd);
+    let alike = |(_, lag): &(usize, Lag)| (lag.value - all.value).abs() < ALIKE * lag.value;
     let moving = fit.rows.iter().filter(|rows| !rows.is_empty()).count();
     let whole_arm = late.len() == moving && late.len() > 1 && late.iter().all(alike);
     let (joints, lag) = match whole_arm {
@@ -153,11 +152,13 @@ fn agreed(j: usize, [fit, check]: [Lag; 2], on_check: &Channel) -> Option<(usize
     (clear && taken > LEAST_SHARE).then_some((j, fit))
 }
 
-/// Mean by information.
+/// Mean over the joints; as uncertain as they differ.
 fn pooled(late: &[(usize, Lag)]) -> Lag {
-    let information: f64 = late.iter().map(|(_, l)| l.sd.powi(-2)).sum();
-    let value = late.iter().map(|(_, l)| l.value * l.sd.powi(-2)).sum::<f64>() / information;
-    Lag { value, sd: information.powf(-0.5) }
+    let n = late.len() as f64;
+    let value = late.iter().map(|(_, l)| l.value).sum::<f64>() / n;
+    let own = late.iter().map(|(_, l)| l.sd.powi(2)).sum::<f64>();
+    let apart = late.iter().map(|(_, l)| (l.value - value).powi(2)).sum::<f64>();
+    Lag { value, sd: (own + apart * n / (n - 1.0).max(1.0)).sqrt() / n }
 }
 
 /// The torque a twin is wrong by whose velocity is late by what the check recording shows, and by

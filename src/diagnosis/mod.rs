@@ -16,6 +16,7 @@ mod floor;
 mod gap;
 mod held_out;
 mod intervals;
+mod judge;
 mod kinematics;
 mod local_noise;
 mod locate;
@@ -171,17 +172,17 @@ fn once(
     let (fit, check) = (observed(0, "fit")?, observed(1, "check")?);
     let both = counted(data::Data::new(vec![&fit, &check], settings));
     let alone = counted(data::Data::new(vec![&fit], settings));
-    let search = |data, recordings: &[usize], judge| search::Search {
+    let other = counted(data::Data::new(vec![&check], settings));
+    let search = |data, recordings: &[usize]| search::Search {
         data,
         candidates: candidate::candidates(twin, &settings.without, recordings),
         criteria: settings.criteria,
-        judge,
     };
-    let judge = search::Judge { fit: &alone, check: &check, seed: settings.seed };
-    let both = search(&both, &[0, 1], Some(judge));
-    let alone = search(&alone, &[0], None);
+    let judge = judge::Judge { fit: &alone, check: &other };
+    let both = search(&both, &[0, 1]);
+    let alone = search(&alone, &[0]);
     let floor = floors[1].clone();
-    let findings = verdict::Findings::new(&both, &alone, [&fit, &check], floor, settings);
+    let findings = verdict::Findings::new(&both, &alone, judge, [&fit, &check], floor, settings);
     let answer = findings.answer();
     let traces = Traces::new(&findings, &answer);
     Ok((answer, traces))

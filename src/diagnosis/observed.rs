@@ -41,7 +41,7 @@ pub struct Observed<'a> {
 pub type Series = Vec<Vec<Vec<f64>>>;
 
 /// Series that are kept, of some MB each.
-const MOST_SERIES: usize = 200;
+const MOST_SERIES: usize = 600;
 /// Loads whose torque is kept.
 const LOADS: usize = 8;
 
@@ -93,7 +93,13 @@ impl<'a> Observed<'a> {
         if let Some((_, known)) = all.iter().find(|(r, _)| r == robot) {
             return known.clone();
         }
-        let rigid = Arc::new(Rigid::new(self.joints()));
+        // Candidates change what links weigh, and gravity.
+        let like = all.iter().find(|(r, _)| r.gravity == robot.gravity);
+        let rigid = match like {
+            Some((_, known)) => known.of_other_load(),
+            None => Rigid::new(self.joints()),
+        };
+        let rigid = Arc::new(rigid);
         all.truncate(LOADS - 1);
         all.push_front((robot.clone(), rigid.clone()));
         rigid

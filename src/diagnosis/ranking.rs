@@ -3,7 +3,7 @@
 use super::candidate::Candidate;
 use super::criteria::Criteria;
 use super::fit::Fit;
-use super::search::Standing;
+use super::search::{Hypothesis, Standing};
 use super::verdict::Findings;
 use super::{Cause, Named, Ranked};
 
@@ -17,10 +17,24 @@ pub fn named(candidate: Candidate) -> Named {
 /// That a cause is there: it or what looks the same, beside its other rivals and none of them.
 pub fn probability(standing: &Standing<'_>, criteria: &Criteria) -> f64 {
     let shares = shares(standing, criteria);
-    let mine = standing.cause().candidate();
-    let usable: Vec<_> = standing.ranked.iter().filter(|h| h.at_bound.is_none()).collect();
-    let at = usable.iter().position(|h| h.candidate() == mine);
-    at.map_or(0.0, |i| shares[i])
+    let usable = standing.ranked.iter().filter(|h| h.at_bound.is_none());
+    let set = |h: &Hypothesis<'_>| is_mine(standing, h) || is_equal(standing, h, criteria);
+    usable.zip(shares).filter(|(h, _)| set(h)).map(|(_, share)| share).sum()
+}
+
+fn is_mine(standing: &Standing<'_>, h: &Hypothesis<'_>) -> bool {
+    h.candidate() == standing.cause().candidate()
+}
+
+/// Does it do as well, within the odds that tell nothing, by all that is known or by the data alone? A
+/// heavier last link is less expected than a payload, and looks the same.
+fn is_equal(standing: &Standing<'_>, h: &Hypothesis<'_>, criteria: &Criteria) -> bool {
+    let mine = standing.cause();
+    let near = |mine: f64, other: f64| {
+        criteria.trusted(mine) - criteria.trusted(other) < criteria.equal_odds.ln()
+    };
+    let as_well = || near(mine.nats, h.nats) || near(standing.shown(mine), standing.shown(h));
+    !is_mine(standing, h) && h.at_bound.is_none() && h.nats > 0.0 && as_well()
 }
 
 /// Of those that are no rejections, in order; the last is that the other causes alone are at work.
@@ -30,14 +44,9 @@ fn shares(standing: &Standing<'_>, criteria: &Criteria) -> Vec<f64> {
     criteria.probabilities(&nats)
 }
 
-/// What does as well within the odds that tell nothing, and is not rejected.
+/// What looks the same as a cause.
 pub fn equivalents(standing: &Standing<'_>, criteria: &Criteria) -> Vec<Named> {
-    let mine = standing.cause();
-    let near =
-        |nats: f64| criteria.trusted(mine.nats) - criteria.trusted(nats) < criteria.equal_odds.ln();
-    let others = standing.ranked.iter().filter(|h| {
-        h.candidate() != mine.candidate() && h.at_bound.is_none() && h.nats > 0.0 && near(h.nats)
-    });
+    let others = standing.ranked.iter().filter(|h| is_equal(standing, h, criteria));
     others.map(|h| named(h.candidate())).collect()
 }
 
@@ -53,7 +62,7 @@ pub fn ranking(findings: &Findings<'_>) -> Vec<Ranked> {
     let criteria = &findings.search.criteria;
     let strongest = (0..findings.standings.len()).max_by(|a, b| {
         let taken = |i: &usize| {
-            let s = &findings.shrinks[*i];
+            let s = &findings.gains[*i].shrink;
             s.check_before_nm.powi(2) - s.check_after_nm.powi(2)
         };
         taken(a).total_cmp(&taken(b))

@@ -11,8 +11,9 @@ use super::candidate::Candidate;
 use super::fit::Fit;
 use super::refine::{Trial, linear_bounds, priors};
 use super::windows;
+use crate::regression::bounds::Bounds;
 use crate::regression::random_effects::Metric;
-use crate::regression::{Column, Raw, System};
+use crate::regression::{Column, Projected, Raw, System};
 
 /// Steps by which all groups of the discrepancy are made smaller: as they are, a quarter, a
 /// sixteenth, and none.
@@ -85,12 +86,14 @@ fn best_start(fit: &Fit<'_>, frames: &[Frame], candidate: Candidate) -> Screened
             true => Arc::new(vec![fit.sensed(candidate, nonlinear)]),
             false => fit.raw_kept(candidate, nonlinear),
         };
+        let priors = priors(fit, candidate, &raw);
         for frame in frames {
-            let (linear, gain) = frame.gain(fit, candidate, &raw);
+            let added = frame.add(fit, candidate, &raw, &priors);
+            let gain = added.likelihood - added.projected.narrowing(&priors);
             if gain > best.gain {
                 best.gain = gain;
                 best.sizes.clone_from(&frame.sizes);
-                best.trial = at(&best.trial, nonlinear, linear);
+                best.trial = at(&best.trial, nonlinear, added.linear);
             }
         }
     }
@@ -110,20 +113,40 @@ fn at(trial: &Trial, nonlinear: &[f64], linear: Vec<f64>) -> Trial {
     }
 }
 
+/// Likelihood that a trial adds to a fit beside a discrepancy of these sizes, at its most likely linear
+/// values whatever is expected of them, less 1/2 ln n for each of its values, nats.
+pub fn likely(fit: &Fit<'_>, sizes: &[Vec<u8>], trial: &Trial) -> f64 {
+    let frame = frame(fit, sizes.to_vec());
+    let raw = fit.raw(trial.candidate, &trial.nonlinear);
+    let unknown = vec![f64::INFINITY; raw.len()];
+    let values = (raw.len() + trial.searched().len()) as f64;
+    let rows: f64 = (0..fit.data.joints()).map(|j| fit.data.count(j)).sum();
+    let added = frame.add(fit, trial.candidate, &raw, &unknown);
+    added.likelihood - 0.5 * values * rows.max(1.0).ln()
+}
+
+/// What a candidate's columns add to the model of a frame.
+struct Added {
+    linear: Vec<f64>,
+    /// Log-likelihood gained over the fit.
+    likelihood: f64,
+    projected: Projected,
+}
+
 impl Frame {
-    /// The linear parameters, and the evidence gained over the fit.
-    fn gain(&self, fit: &Fit<'_>, candidate: Candidate, raw: &[Raw]) -> (Vec<f64>, f64) {
+    fn add(&self, fit: &Fit<'_>, candidate: Candidate, raw: &[Raw], priors: &[f64]) -> Added {
         let columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &self.metric)).collect();
         let touched = |j: &usize| columns.iter().any(|c| c.touches(*j));
         let touched: Vec<usize> = (0..self.squares.len()).filter(touched).collect();
+        let projected = self.system.project(&columns, priors);
         if touched.is_empty() {
-            return (vec![0.0; columns.len()], f64::NEG_INFINITY);
+            let linear = vec![0.0; columns.len()];
+            return Added { linear, likelihood: f64::NEG_INFINITY, projected };
         }
-        let priors = priors(fit, candidate, raw);
-        let projected = self.system.project(&columns, &priors);
         let bounds = match candidate.senses() {
-            true => crate::regression::bounds::Bounds::new(vec![0.0], vec![f64::INFINITY])
-                .unwrap_or_else(|_| crate::regression::bounds::Bounds::unbounded(1)),
+            true => {
+                Bounds::new(vec![0.0], vec![f64::INFINITY]).unwrap_or_else(|_| Bounds::unbounded(1))
+            }
             false => linear_bounds(candidate, fit.data.twin),
         };
         let (linear, gain) = projected.solve(&bounds);
@@ -131,9 +154,8 @@ impl Frame {
         let left: f64 = touched.iter().map(weighted).sum();
         let count: f64 = touched.iter().map(|j| fit.data.count(*j)).sum();
         let after = (1.0 - 2.0 * gain / left.max(f64::MIN_POSITIVE)).max(1e-6);
-        let fitted = -0.5 * count * after.ln();
         let behind: f64 = touched.iter().map(|j| self.behind[*j]).sum();
-        let linear: Vec<f64> = linear.iter().copied().collect();
-        (linear, fitted + behind - projected.narrowing(&priors))
+        let likelihood = behind - 0.5 * count * after.ln();
+        Added { linear: linear.as_slice().to_vec(), likelihood, projected }
     }
 }

@@ -6,17 +6,14 @@
 
 use rayon::prelude::*;
 
-use super::Checked;
 use super::bound::Adopted;
 use super::candidate::{Candidate, Extent, Place, acts_on};
 use super::criteria::Criteria;
 use super::data::Data;
 use super::fit::Fit;
-use super::held_out;
 use super::model::Model;
-use super::observed::Observed;
 use super::refine::{self, Trial};
-use super::screen::{Screened, screen};
+use super::screen::{Screened, likely, screen};
 
 /// Candidates that are refined and weighed in full: a screening is right to within a few.
 const WEIGHED: usize = 10;
@@ -56,6 +53,21 @@ impl<'a> Standing<'a> {
     pub fn cause(&self) -> &Hypothesis<'a> {
         &self.ranked[self.index]
     }
+
+    /// What the data alone say of a hypothesis, whatever was expected of its values: its likelihood at
+    /// their best, over that without it, less 1/2 ln n for each (Schwarz, Ann. Stat. 6, 1978), nats. A
+    /// sensor's value is not linear and was expected nowhere: its evidence.
+    pub fn shown(&self, h: &Hypothesis<'a>) -> f64 {
+        match h.candidate().senses() {
+            true => h.nats,
+            false => likely(&self.without, &h.fit.sizes, &h.trial),
+        }
+    }
+
+    /// What would be named in its place: of more evidence, and no rejection.
+    pub fn better(&self) -> Option<&Hypothesis<'a>> {
+        self.ranked[..self.index].iter().find(|h| h.at_bound.is_none())
+    }
 }
 
 /// One round: what was weighed, and what was added of it.
@@ -89,41 +101,17 @@ pub struct Search<'a> {
     pub data: &'a Data<'a>,
     pub candidates: Vec<Candidate>,
     pub criteria: Criteria,
-    /// Where a cause has to gain that is to be added; nothing is asked where this is `None`.
-    pub judge: Option<Judge<'a>>,
 }
 
-/// Values from one recording alone, held against another.
-pub struct Judge<'a> {
-    pub fit: &'a Data<'a>,
-    pub check: &'a Observed<'a>,
-    pub seed: u64,
+/// What acts in the whole arm leaves nothing of its kind to single joints.
+fn covers(whole: &Candidate, part: &Candidate) -> bool {
+    let everywhere = whole.place == Place::Arm && whole.recording.is_none();
+    whole.name() == part.name() && everywhere && part.place != whole.place
 }
 
-impl Judge<'_> {
-    /// What cause `i` of a model takes off what the others leave of the check recording.
-    pub fn gain(&self, model: &Model, i: usize) -> Gain {
-        let left = |model| Fit::plain(self.fit, model).held_against(self.check);
-        let (without, with) = (left(model.without(i)), left(model.clone()));
-        let shrink = held_out::pair(self.check, &without, &with, |pair| pair.checked(self.seed));
-        let squares = without.squares().into_iter().zip(with.squares());
-        let share = squares.map(|(b, a)| if b > 0.0 { 1.0 - a / b } else { 0.0 });
-        Gain { shrink, at_best_joint: share.fold(0.0, f64::max) }
-    }
-
-    /// Does it, surely and enough? What acts in one recording alone has nothing to show in the other.
-    pub fn agrees(&self, gain: &Gain, candidate: Candidate, criteria: &Criteria) -> bool {
-        let enough = gain.shrink.low > 0.0 && gain.at_best_joint >= criteria.least_gain;
-        candidate.recording.is_some() || enough
-    }
-}
-
-/// What a cause takes off the check recording.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Gain {
-    pub shrink: Checked,
-    /// Share of the mean square at the joint where it is largest.
-    pub at_best_joint: f64,
+/// May refining bring it before the best?
+fn is_near(nats: f64, best: f64) -> bool {
+    nats >= best - (NEAR_SHARE * best).max(NEAR_NATS)
 }
 
 impl<'a> Search<'a> {
@@ -157,13 +145,6 @@ impl<'a> Search<'a> {
     }
 
     fn open(&self, model: &Model) -> Vec<Candidate> {
-        // What acts in the whole arm leaves nothing of its kind to single joints.
-        let covers = |a: &Candidate, b: &Candidate| {
-            a.name() == b.name()
-                && a.place == Place::Arm
-                && a.recording.is_none()
-                && b.place != a.place
-        };
         let there = |c: &&Candidate| {
             model.causes.iter().any(|t| t.candidate == **c || covers(&t.candidate, c))
         };
@@ -187,17 +168,8 @@ impl<'a> Search<'a> {
                 values: h.fit.values(h.fit.model.causes.len() - 1),
             })
             .collect();
-        let agrees = |h: &Hypothesis<'a>| {
-            let last = h.fit.model.causes.len() - 1;
-            self.judge.as_ref().is_none_or(|judge| {
-                let gain = judge.gain(&h.fit.model, last);
-                judge.agrees(&gain, h.candidate(), &self.criteria)
-            })
-        };
         let enough = |h: &&Hypothesis<'a>| {
-            h.at_bound.is_none()
-                && self.worth(start, state, h) > self.criteria.least_nats
-                && agrees(h)
+            h.at_bound.is_none() && self.worth(start, state, h) > self.criteria.least_nats
         };
         let good: Vec<&Hypothesis<'a>> = ranked.iter().filter(enough).collect();
         let Some(best) = good.first() else {
@@ -255,8 +227,14 @@ impl<'a> Search<'a> {
     /// The best of those screened, weighed beside the discrepancy that each leaves, best first; what comes
     /// close to the best is refined.
     fn weigh(&self, state: &Fit<'a>, screened: Vec<Screened>, most: usize) -> Vec<Hypothesis<'a>> {
-        let worth: Vec<Screened> =
-            screened.into_iter().take(most).filter(|s| s.gain.is_finite()).collect();
+        let best = |e: Extent| screened.iter().find(|s| s.trial.candidate.extent() == e);
+        let promising = |s: &Screened| {
+            let best = best(s.trial.candidate.extent()).map_or(0.0, |b| b.gain);
+            s.gain.is_finite() && is_near(s.gain, best)
+        };
+        let promising: Vec<bool> = screened.iter().map(promising).collect();
+        let worth = screened.into_iter().zip(promising).filter(|(_, p)| *p).map(|(s, _)| s);
+        let worth: Vec<Screened> = worth.take(most).collect();
         let as_screened = |s: &Screened| {
             let beside = state.clone().beside(s.sizes.clone());
             let trial = refine::evaluate(&beside, &s.trial, s.trial.nonlinear.clone());
@@ -264,9 +242,11 @@ impl<'a> Search<'a> {
         };
         let mut ranked: Vec<Hypothesis> = worth.par_iter().map(as_screened).collect();
         let top = ranked.iter().map(|h| h.nats).fold(f64::NEG_INFINITY, f64::max);
-        let near = |nats: f64| nats > 0.0 && nats >= top - (NEAR_SHARE * top).max(NEAR_NATS);
         let refined = |(h, s): (&mut Hypothesis<'a>, &Screened)| {
-            if !near(h.nats) || h.trial.starts[0].is_empty() {
+            let promising = h.nats > 0.0 && is_near(h.nats, top);
+            // References follow at little cost.
+            let follows = h.trial.searched().is_empty();
+            if h.trial.starts[0].is_empty() || !(promising || follows) {
                 return;
             }
             let beside = state.clone().beside(s.sizes.clone());

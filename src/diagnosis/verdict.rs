@@ -3,16 +3,17 @@
 use std::collections::BTreeMap;
 
 use super::answer::{Replaced, Unexplained};
-use super::candidate::Place;
+use super::candidate::{Candidate, Place};
 use super::criteria::Criteria;
 use super::episodes::{Episode, episodes};
 use super::fit::Fit;
 use super::held_out::{self, HeldOut};
+use super::judge::{Gain, Judge};
 use super::kinematics::{self, Lagging};
 use super::model::Model;
 use super::observed::Observed;
 use super::ranking::{self, named};
-use super::search::{Found, Gain, Round, Search, Standing, Weighed};
+use super::search::{Found, Hypothesis, Round, Search, Standing, Weighed};
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
@@ -31,7 +32,7 @@ pub struct Findings<'a> {
     /// With the causes that are called causes.
     pub last: Fit<'a>,
     pub standings: Vec<Standing<'a>>,
-    pub shrinks: Vec<Checked>,
+    pub gains: Vec<Gain>,
     /// What a search of the fit recording alone says of the check.
     pub held: HeldOut,
     pub fit: &'a Observed<'a>,
@@ -49,6 +50,7 @@ impl<'a> Findings<'a> {
     pub fn new(
         both: &'a Search<'a>,
         blind: &'a Search<'a>,
+        judge: Judge<'_>,
         [fit, check]: [&'a Observed<'a>; 2],
         floor: Vec<Floor>,
         settings: &'a Settings,
@@ -58,14 +60,14 @@ impl<'a> Findings<'a> {
             || kinematics::lagging(fit, check, settings),
         );
         let held = HeldOut::new(&alone.last, check);
-        let (last, standings, shrinks) = called_causes(both, &found);
+        let (last, standings, gains) = called_causes(both, &judge, &found);
         let alone = Fit::plain(blind.data, Model::of(fit.twin));
         Self {
             search: both,
             found,
             last,
             standings,
-            shrinks,
+            gains,
             held,
             fit,
             check,
@@ -153,9 +155,12 @@ impl<'a> Findings<'a> {
             probability: ranking::probability(standing, self.criteria()),
             equivalent: ranking::equivalents(standing, self.criteria()),
             parameters,
-            shrink: self.shrinks[i],
+            shrink: self.gains[i].shrink,
             replaces,
-            recording: candidate.recording.map(|r| ["fit", "check"][r.min(1)].into()),
+            recording: candidate
+                .recording
+                .or((!self.gains[i].acts).then_some(0))
+                .map(|r| ["fit", "check"][r.min(1)].into()),
             found_without_check: self.held.causes.contains(&candidate),
             cause: about.cause.into(),
             remedy: about.remedy.into(),
@@ -255,33 +260,53 @@ fn taken(shrink: &Checked) -> f64 {
 }
 
 /// The causes that are more probable than not and gain on the check recording, with their rivals: what
-/// does not is left out, and the others fitted again.
+/// does not is left out, and the others fitted again. Of names that look the same the best stands.
 fn called_causes<'a>(
     both: &Search<'a>,
+    judge: &Judge<'_>,
     found: &Found<'a>,
-) -> (Fit<'a>, Vec<Standing<'a>>, Vec<Checked>) {
+) -> (Fit<'a>, Vec<Standing<'a>>, Vec<Gain>) {
+    let criteria = &both.criteria;
     let mut last = found.last.clone();
+    let mut renamed = false;
+    let mut rejected: Vec<Candidate> = Vec::new();
     loop {
+        // What costs least to see comes first.
+        let count = last.model.causes.len();
+        let gains: Vec<Gain> = (0..count).map(|i| judge.gain(&last, i)).collect();
+        let agrees = |i: usize| judge.agrees(&gains[i], last.model.causes[i].candidate, criteria);
+        let least = |a: &usize, b: &usize| gains[*a].largest().total_cmp(&gains[*b].largest());
+        if let Some(i) = (0..count).filter(|i| !agrees(*i)).min_by(least) {
+            last = both.without(&last, i);
+            continue;
+        }
         let standings = both.standings(&last);
-        let judge = both.judge.as_ref();
-        let gain = |i: usize| judge.map_or_else(Gain::default, |judge| judge.gain(&last.model, i));
-        let gained: Vec<Gain> = (0..standings.len()).map(gain).collect();
         let fails = |i: &usize| {
-            let candidate = last.model.causes[*i].candidate;
-            let gains =
-                judge.is_none_or(|judge| judge.agrees(&gained[*i], candidate, &both.criteria));
             let bound = standings[*i].cause().at_bound.is_some() || is_impossible(&last, *i);
-            bound || !gains || ranking::probability(&standings[*i], &both.criteria) <= 0.5
+            bound || ranking::probability(&standings[*i], criteria) <= 0.5
         };
-        let weakest = (0..standings.len())
-            .filter(fails)
-            .min_by(|a, b| standings[*a].cause().nats.total_cmp(&standings[*b].cause().nats));
-        match weakest {
-            Some(i) => last = both.without(&last, i),
-            None => {
-                let shrinks = gained.iter().map(|g| g.shrink).collect();
-                return (last, standings, shrinks);
+        let nats = |i: &usize| standings[*i].cause().nats;
+        let weakest = (0..count).filter(fails).min_by(|a, b| nats(a).total_cmp(&nats(b)));
+        let stands = |h: &&Hypothesis<'a>| !rejected.contains(&h.candidate());
+        let better = standings.iter().find_map(|s| s.better().filter(stands));
+        match (weakest, better) {
+            (Some(i), _) => {
+                // What fails may have stood in for what does not.
+                rejected.push(last.model.causes[i].candidate);
+                let fresh = |h: &&Hypothesis<'a>| {
+                    let inside = h.at_bound.is_none() && !rejected.contains(&h.candidate());
+                    inside && h.nats > criteria.least_nats
+                };
+                last = match standings[i].ranked.iter().find(fresh) {
+                    Some(h) => h.fit.clone(),
+                    None => both.without(&last, i),
+                };
             }
+            (None, Some(better)) if !renamed => {
+                last = better.fit.clone();
+                renamed = true;
+            }
+            _ => return (last, standings, gains),
         }
     }
 }

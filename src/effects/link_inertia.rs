@@ -8,7 +8,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, starts};
-use crate::robot::{Inertia, Robot, body_regressor_series};
+use crate::robot::{Inertia, Robot};
 use crate::series::JointSeries;
 
 pub struct LinkInertia;
@@ -61,9 +61,8 @@ impl Effect for LinkInertia {
     }
 
     fn reach(&self, motion: &Motion<'_>, from: usize, reference: &[f64]) -> Vec<JointSeries> {
-        let Motion { robot, q, qd, qdd, .. } = motion;
-        let body = body_regressor_series(robot, q, qd, qdd, from);
-        let inertia = &robot.bodies[from].inertia;
+        let body = motion.regressor(from);
+        let inertia = &motion.robot.bodies[from].inertia;
         let new = changed(inertia, reference).unwrap_or(*inertia);
         (0..4).map(|i| weighted_sum(&body, &per_unit(inertia.com, new.com, i))).collect()
     }

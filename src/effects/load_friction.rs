@@ -24,7 +24,7 @@ impl Effect for LoadFriction {
                 symbol: "mu",
                 unit: "-",
                 min: 0.0,
-                max: 0.4,
+                max: 1.0,
                 typical: 0.06,
                 null: 0.0,
                 role: Role::Linear,

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::Transmission;
-use super::rigid::{self, Rigid, Slopes};
+use super::rigid::{self, Regressor, Rigid, Slopes};
 use crate::robot::Robot;
 use crate::series::JointSeries;
 
@@ -78,6 +78,14 @@ impl<'a> Motion<'a> {
         match self.rigid {
             Some(kept) => Cow::Borrowed(kept.slopes(self.robot, self.series(), joint)),
             None => Cow::Owned(Slopes::new(self.robot, self.series(), joint)),
+        }
+    }
+
+    /// Torque of every joint per unit of the inertial parameters of `link`.
+    pub fn regressor(&self, link: usize) -> Cow<'a, Regressor> {
+        match self.rigid {
+            Some(kept) => Cow::Borrowed(kept.regressor(self.robot, self.series(), link)),
+            None => Cow::Owned(rigid::regressor(self.robot, self.series(), link)),
         }
     }
 

@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, starts};
-use crate::robot::{Placement, body_regressor_series};
+use crate::robot::Placement;
 use crate::series::JointSeries;
 
 pub struct Payload;
@@ -67,7 +67,7 @@ impl Effect for Payload {
     fn reach(&self, motion: &Motion<'_>, _: usize, reference: &[f64]) -> Vec<JointSeries> {
         let robot = motion.robot;
         let Some(last) = robot.dof().checked_sub(1) else { return vec![] };
-        let body = body_regressor_series(robot, motion.q, motion.qd, motion.qdd, last);
+        let body = motion.regressor(last);
         let combine = |p: [f64; 10]| weighted_sum(&body, &p);
         let reference = Vector3::from_column_slice(reference);
         flange_parameters(&robot.flange, reference).map(combine).to_vec()

@@ -1,8 +1,8 @@
 //! What the rigid arm's torque is along a motion, and how it changes with the motion of one joint.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
-use crate::robot::{Robot, inverse_dynamics_series};
+use crate::robot::{Robot, body_regressor_series, inverse_dynamics_series};
 use crate::series::JointSeries;
 
 /// Steps of the central differences. Torque is at most quadratic in speed and linear in acceleration,
@@ -17,7 +17,12 @@ const STEP_RAD_S2: f64 = 1.0;
 pub struct Rigid {
     torque: OnceLock<JointSeries>,
     slopes: Vec<OnceLock<Slopes>>,
+    /// These do not know what the links weigh.
+    regressors: Arc<[OnceLock<Regressor>]>,
 }
+
+/// Torque of every joint per unit of a link's ten inertial parameters.
+pub type Regressor = [JointSeries; 10];
 
 /// d tau / d (q, qd, qdd) of one joint: N.m at every joint per rad, rad/s and rad/s2.
 #[derive(Debug, Clone)]
@@ -25,7 +30,26 @@ pub struct Slopes(pub [JointSeries; 3]);
 
 impl Rigid {
     pub fn new(joints: usize) -> Self {
-        Self { torque: OnceLock::new(), slopes: (0..joints).map(|_| OnceLock::new()).collect() }
+        Self::beside((0..joints).map(|_| OnceLock::new()).collect())
+    }
+
+    /// Of a robot along the same motion that differs in what its links weigh alone.
+    pub fn of_other_load(&self) -> Self {
+        Self::beside(self.regressors.clone())
+    }
+
+    fn beside(regressors: Arc<[OnceLock<Regressor>]>) -> Self {
+        let slopes = regressors.iter().map(|_| OnceLock::new()).collect();
+        Self { torque: OnceLock::new(), slopes, regressors }
+    }
+
+    pub(super) fn regressor(
+        &self,
+        robot: &Robot,
+        motion: [&JointSeries; 3],
+        link: usize,
+    ) -> &Regressor {
+        kept(&self.regressors[link], || regressor(robot, motion, link))
     }
 
     pub(super) fn torque(&self, robot: &Robot, motion: [&JointSeries; 3]) -> &JointSeries {
@@ -47,6 +71,10 @@ fn kept<T>(cell: &OnceLock<T>, work_out: impl FnOnce() -> T) -> &T {
             cell.get_or_init(|| value)
         }
     }
+}
+
+pub(super) fn regressor(robot: &Robot, [q, qd, qdd]: [&JointSeries; 3], link: usize) -> Regressor {
+    body_regressor_series(robot, q, qd, qdd, link)
 }
 
 /// N.m

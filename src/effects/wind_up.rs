@@ -81,6 +81,10 @@ fn wind_up<'a>(motion: &Motion<'a>, laws: &[Option<Transmission>]) -> Vec<Giving
     let laws = laws.iter().enumerate().filter_map(|(joint, law)| Some((joint, (*law)?)));
     let mut joints: Vec<_> = laws.map(|(j, law)| Giving::new(motion, j, law, &load)).collect();
     let parts = (motion.dt / STEP_S).ceil().max(1.0);
+    if let [one] = &mut joints[..] {
+        one.follow(load.joint(one.joint), motion.dt, parts);
+        return joints;
+    }
     let h = motion.dt / parts;
     let mut torque = vec![0.0; joints.len()];
     for k in 0..load.samples() {
@@ -91,7 +95,8 @@ fn wind_up<'a>(motion: &Motion<'a>, laws: &[Option<Transmission>]) -> Vec<Giving
             let along = (part as f64 + 0.5) / parts - 0.5;
             for (i, torque) in torque.iter_mut().enumerate() {
                 let (tau, tau_rate) = between(load.joint(joints[i].joint), k, along, motion.dt);
-                let carried = joints[i].carried(damping[i], tau_rate);
+                let steady = tau_rate / joints[i].law.stiffness;
+                let carried = joints[i].carried(damping[i], steady);
                 *torque = tau - carried - turned(&joints, i, k);
             }
             for (i, (joint, sums)) in joints.iter_mut().zip(&mut sums).enumerate() {
@@ -110,18 +115,11 @@ fn wind_up<'a>(motion: &Motion<'a>, laws: &[Option<Transmission>]) -> Vec<Giving
 fn inverse_inertia(joints: &[Giving<'_>], k: usize, h: f64) -> DMatrix<f64> {
     let n = joints.len();
     let mut m = DMatrix::from_fn(n, n, |i, j| joints[j].slopes.0[2].joint(joints[i].joint)[k]);
-    let needed = |g: &Giving<'_>| {
-        let damping = g.law.damping.max(g.ringing(k));
-        (h * (4.0 * h * g.law.stiffest()).max(2.0 * damping)).max(LIGHTEST)
-    };
-    if n == 1 {
-        return DMatrix::from_element(1, 1, 1.0 / m[(0, 0)].max(needed(&joints[0])));
-    }
     // 1 / (M^-1)_ii is what a joint moves where the others are free.
     let free = m.clone().try_inverse();
     for (i, joint) in joints.iter().enumerate() {
         let moved = free.as_ref().map_or(0.0, |free| 1.0 / free[(i, i)]);
-        m[(i, i)] += (needed(joint) - moved.max(0.0)).max(0.0);
+        m[(i, i)] += (joint.lightest(k, h) - moved.max(0.0)).max(0.0);
     }
     m.try_inverse().unwrap_or_else(|| DMatrix::zeros(n, n))
 }
@@ -163,6 +161,35 @@ impl<'a> Giving<'a> {
         }
     }
 
+    /// The way of a joint that alone gives way, as below but without anything between joints.
+    fn follow(&mut self, load: &[f64], dt: f64, parts: f64) {
+        let h = dt / parts;
+        let own = self.joint;
+        for k in 0..load.len() {
+            let slopes = &self.slopes.0;
+            let inertia = slopes[2].joint(own)[k].max(self.lightest(k, h));
+            let (over_q, over_qd) = (slopes[0].joint(own)[k], slopes[1].joint(own)[k]);
+            let damping = (self.ringing(k) - self.law.damping).max(0.0);
+            let steady = between(load, k, 0.0, dt).1 / self.law.stiffness;
+            let [before, after] = [-1.0, 1.0].map(|side| between(load, k, side, dt).0 - load[k]);
+            let mut sums = [0.0; 3];
+            for part in 0..parts as usize {
+                let along = (part as f64 + 0.5) / parts - 0.5;
+                let tau = load[k] + along.abs() * if along < 0.0 { before } else { after };
+                let turned = over_q * self.w + over_qd * self.rate;
+                let torque = tau - self.carried(damping, steady) - turned;
+                self.advance(torque / inertia, h, &mut sums);
+            }
+            self.means.iter_mut().zip(sums).for_each(|(mean, sum)| mean.push(sum / parts));
+        }
+    }
+
+    /// A link that the step can follow is no lighter, kg.m2.
+    fn lightest(&self, k: usize, h: f64) -> f64 {
+        let damping = self.law.damping.max(self.ringing(k));
+        (h * (4.0 * h * self.law.stiffest()).max(2.0 * damping)).max(LIGHTEST)
+    }
+
     /// Least damping of teeth that meet, N.m.s/rad.
     fn ringing(&self, k: usize) -> f64 {
         let inertia = self.slopes.0[2].joint(self.joint)[k].max(0.0);
@@ -170,11 +197,12 @@ impl<'a> Giving<'a> {
         if slack { 2.0 * RINGING * (self.law.stiffness * inertia).sqrt() } else { 0.0 }
     }
 
-    /// T, N.m, where the load changes by `tau_rate` (N.m/s) and blows are damped by `damping` more.
-    fn carried(&self, damping: f64, tau_rate: f64) -> f64 {
+    /// T, N.m, where a steady wind-up changes by `steady` (rad/s) and blows are damped by `damping`
+    /// more.
+    fn carried(&self, damping: f64, steady: f64) -> f64 {
         let touching = self.law.damping_at(self.w);
         let blow = match self.law.touches(self.w) {
-            true => damping * (self.rate - tau_rate / self.law.stiffness),
+            true => damping * (self.rate - steady),
             false => 0.0,
         };
         self.law.torque(self.w) + self.law.hysteresis * self.z + touching * self.rate + blow

@@ -1,23 +1,46 @@
 //! Columns over the rows of all joints, and as a model with random effects sees them.
 
-use std::sync::{Arc, OnceLock};
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use super::Blocks;
 use super::random_effects::{Features, JointMetric, Metric};
 
-/// A column, and its products with the random effects' features: D'x, joint by joint, worked out
-/// where a metric asks for them.
+/// A column, its products with the random effects' features (D'x, joint by joint) and with older
+/// columns, each worked out when first asked for.
 #[derive(Debug, Clone)]
 pub struct Raw {
     pub rows: Arc<Blocks>,
     features: Arc<Vec<Features>>,
     products: Arc<Vec<OnceLock<Vec<f64>>>>,
+    /// The larger, the younger.
+    age: u64,
+    dots: Arc<Mutex<HashMap<u64, Arc<[f64]>>>>,
 }
 
 impl Raw {
     pub fn new(rows: Blocks, features: Arc<Vec<Features>>) -> Self {
+        static BORN: AtomicU64 = AtomicU64::new(0);
         let products = Arc::new((0..features.len()).map(|_| OnceLock::new()).collect());
-        Self { rows: Arc::new(rows), features, products }
+        let age = BORN.fetch_add(1, Ordering::Relaxed);
+        Self { rows: Arc::new(rows), features, products, age, dots: Arc::default() }
+    }
+
+    /// x'y at every joint.
+    pub fn dots(&self, other: &Self) -> Arc<[f64]> {
+        if other.age > self.age {
+            return other.dots(self);
+        }
+        if let Some(dots) = self.dots.lock().ok().and_then(|d| d.get(&other.age).cloned()) {
+            return dots;
+        }
+        let joints = 0..self.rows.0.len();
+        let dots: Arc<[f64]> = joints.map(|j| self.rows.dot(&other.rows, j)).collect();
+        if let Ok(mut known) = self.dots.lock() {
+            known.insert(other.age, dots.clone());
+        }
+        dots
     }
 
     /// D'x at a joint; empty where the column has no rows there.
@@ -44,6 +67,8 @@ impl Raw {
 pub struct Column {
     pub rows: Arc<Blocks>,
     taken: Vec<Vec<f64>>,
+    /// Where it is still what it was made of.
+    raw: Option<Raw>,
 }
 
 impl Column {
@@ -52,13 +77,14 @@ impl Column {
             true => Vec::new(),
             false => metric.taken(raw.products(j)),
         };
-        Self { rows: raw.rows.clone(), taken: metric.joints.iter().enumerate().map(of).collect() }
+        let taken = metric.joints.iter().enumerate().map(of).collect();
+        Self { rows: raw.rows.clone(), taken, raw: Some(raw.clone()) }
     }
 
     /// Nothing at any of the joints.
     pub fn zeros(joints: usize) -> Self {
         let none = vec![Vec::new(); joints];
-        Self { rows: Arc::new(Blocks(none.clone())), taken: none }
+        Self { rows: Arc::new(Blocks(none.clone())), taken: none, raw: None }
     }
 
     pub fn touches(&self, j: usize) -> bool {
@@ -85,6 +111,7 @@ impl Column {
 
     /// self += factor x other, where other has rows.
     pub fn gather(&mut self, factor: f64, other: &Self) {
+        self.raw = None;
         Arc::make_mut(&mut self.rows).gather(factor, &other.rows);
         self.taken.resize(other.taken.len(), Vec::new());
         for (mine, theirs) in self.taken.iter_mut().zip(&other.taken).filter(|(_, t)| !t.is_empty())
@@ -96,6 +123,7 @@ impl Column {
 
     /// self += factor x other, where self has rows.
     pub fn add_scaled(&mut self, factor: f64, other: &Self) {
+        self.raw = None;
         Arc::make_mut(&mut self.rows).add_scaled(factor, &other.rows);
         for (mine, theirs) in self.taken.iter_mut().zip(&other.taken) {
             if mine.len() == theirs.len() {
@@ -112,5 +140,12 @@ impl Column {
 
 /// Products weighted joint by joint.
 pub fn weighted_dot(a: &Column, b: &Column, weights: &[f64]) -> f64 {
-    weights.iter().enumerate().map(|(j, w)| w * a.dot(b, j)).sum()
+    let each = weights.iter().enumerate();
+    match (&a.raw, &b.raw) {
+        (Some(x), Some(y)) => {
+            let dots = x.dots(y);
+            each.map(|(j, w)| w * (dots[j] - a.taken_dot(b, j))).sum()
+        }
+        _ => each.map(|(j, w)| w * a.dot(b, j)).sum(),
+    }
 }

@@ -53,17 +53,14 @@ impl Normal {
     pub fn new(columns: Vec<Raw>, y: Raw) -> Arc<Self> {
         let n = columns.len() + 1;
         let of = |i: usize| if i + 1 == n { &y } else { &columns[i] };
-        let joint = |j: usize| {
-            let mut products = DMatrix::zeros(n, n);
-            for i in (0..n).filter(|i| of(*i).rows.touches(j)) {
-                for k in (0..=i).filter(|k| of(*k).rows.touches(j)) {
-                    let v = of(i).rows.dot(&of(k).rows, j);
-                    (products[(i, k)], products[(k, i)]) = (v, v);
+        let mut products = vec![DMatrix::zeros(n, n); y.rows.0.len()];
+        for i in 0..n {
+            for k in 0..=i {
+                for (products, v) in products.iter_mut().zip(of(i).dots(of(k)).iter()) {
+                    (products[(i, k)], products[(k, i)]) = (*v, *v);
                 }
             }
-            products
-        };
-        let products = (0..y.rows.0.len()).map(joint).collect();
+        }
         Arc::new(Self { columns, y, products })
     }
 

@@ -1,0 +1,151 @@
+//! What a cause takes off the check recording, with values of the fit recording alone.
+//!
+//! Both are seen in the metric of the model, V = 1 + D R D': the values are not led astray by what is
+//! left unexplained, and what they leave counts beside the discrepancy. Of a residual b without the
+//! cause and a with it b' V^-1 b - a' V^-1 a is taken off. Where a ~ N(0, s^2 V), its standard deviation
+//! is 2 s sqrt(d' V^-1 d), d = b - a. On an exact twin, where there is no discrepancy, these are plain
+//! squares.
+
+use super::Checked;
+use super::candidate::Candidate;
+use super::criteria::Criteria;
+use super::data::Data;
+use super::fit::Fit;
+use super::intervals::LEVEL;
+use super::model::Model;
+use crate::regression::Column;
+use crate::statistics::normal_quantile;
+
+/// Values from one recording alone, held against another.
+pub struct Judge<'a> {
+    pub fit: &'a Data<'a>,
+    pub check: &'a Data<'a>,
+}
+
+/// What a cause takes off the check recording.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Gain {
+    pub shrink: Checked,
+    /// Share of what the others leave, at the joint where it is largest: of those where the model is
+    /// exact, and of those where a discrepancy is beside it.
+    pub where_exact: f64,
+    pub where_inexact: f64,
+    /// Does it act in the check recording at all?
+    pub acts: bool,
+}
+
+impl Gain {
+    pub fn largest(&self) -> f64 {
+        self.where_exact.max(self.where_inexact)
+    }
+}
+
+impl Judge<'_> {
+    /// Of what the others leave, by cause `i` of a fit to both recordings.
+    pub fn gain(&self, fit: &Fit<'_>, i: usize) -> Gain {
+        let (check, metric) = (self.check, self.check.metric(&fit.sizes));
+        let left = |model: Model| {
+            let fit = Fit::new(self.fit, model, fit.sizes.clone());
+            Column::new(&check.raw(vec![fit.held_against(check.parts[0])]), &metric)
+        };
+        let (before, after) = (left(fit.model.without(i)), left(fit.model.clone()));
+        let mut taken = before.clone();
+        taken.add_scaled(-1.0, &after);
+        let [b, a, d] = [&before, &after, &taken].map(Column::squares);
+        let weights = check.weights(&a);
+        let moving = (0..check.joints()).filter(|j| check.rows(*j) > 0);
+        let (mut squares, mut off, mut variance) = (0.0, 0.0, 0.0);
+        let mut share = [0.0f64; 2];
+        for j in moving {
+            let counted = check.shares[j];
+            squares += b[j] / counted;
+            off += (b[j] - a[j]) / counted;
+            variance += 4.0 * d[j] / (weights[j] * counted.powi(2));
+            let of = &mut share[usize::from(!metric.joints[j].is_plain())];
+            *of = of.max(1.0 - a[j] / b[j].max(f64::MIN_POSITIVE));
+        }
+        let [where_exact, where_inexact] = share;
+        let rows: usize = (0..check.joints()).map(|j| check.rows(j)).sum();
+        let half = normal_quantile(1.0 - LEVEL) * variance.sqrt();
+        let squares = squares.max(f64::MIN_POSITIVE);
+        let rms = |sum: f64| (sum.max(0.0) / rows.max(1) as f64).sqrt();
+        let shrink = Checked {
+            check_before_nm: rms(squares),
+            check_after_nm: rms(squares - off),
+            fraction: off / squares,
+            low: (off - half) / squares,
+            high: ((off + half) / squares).min(1.0),
+        };
+        Gain { shrink, where_exact, where_inexact, acts: d.iter().any(|d| *d > 0.0) }
+    }
+
+    /// Does it, surely and enough? What does not act in the check recording has nothing to show there.
+    pub fn agrees(&self, gain: &Gain, candidate: Candidate, criteria: &Criteria) -> bool {
+        let enough = gain.where_exact >= criteria.least_gain
+            || gain.where_inexact >= criteria.least_gain_inexact;
+        let enough = enough && gain.shrink.low > 0.0;
+        candidate.recording.is_some() || !gain.acts || enough
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::Settings;
+    use crate::diagnosis::candidate::{Place, Term};
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::observed::Observed;
+    use crate::diagnosis::testing::{noisy, samples};
+    use crate::effects::find;
+    use crate::signals::Samples;
+    use crate::twin::Twin;
+
+    const JOINT: usize = 2;
+    const OFFSET_NM: f64 = 1.0;
+    const NOISE_NM: f64 = 0.5;
+
+    /// An arm whose twin lacks an offset at one joint.
+    fn recorded(speed: f64) -> Samples {
+        let twin = Twin::default();
+        let mut made = samples(6, 4000, |j, t| 0.6 * ((speed + 0.1 * j as f64) * t).sin());
+        made.torque = twin.torque(&twin.motion(&made));
+        made.torque.joint_mut(JOINT).iter_mut().for_each(|t| *t += OFFSET_NM);
+        noisy(&mut made, NOISE_NM);
+        made
+    }
+
+    /// What an offset at `joint` gains, from one motion to another.
+    fn gained(joint: usize) -> Gain {
+        let twin = Twin::default();
+        let (first, second) = (recorded(0.9), recorded(1.3));
+        let floors = [&first, &second].map(|s| noise_floor(s, &twin));
+        let fit = Observed::new(0, &twin, &first, &floors[0]).unwrap();
+        let check = Observed::new(1, &twin, &second, &floors[1]).unwrap();
+        let settings = Settings::default();
+        let [alone, other, both] =
+            [vec![&fit], vec![&check], vec![&fit, &check]].map(|parts| Data::new(parts, &settings));
+        let offset = Candidate::new(find("current_offset").unwrap(), Place::Joint(joint));
+        let model = Model::of(&twin).with(Term::new(offset, vec![]));
+        Judge { fit: &alone, check: &other }.gain(&Fit::plain(&both, model), 0)
+    }
+
+    #[test]
+    fn what_is_there_takes_off_what_it_is() {
+        let gain = gained(JOINT);
+        let Checked { check_before_nm: before, check_after_nm: after, low, high, fraction } =
+            gain.shrink;
+        // Over all six joints, of which one has it.
+        let taken = 6.0 * (before.powi(2) - after.powi(2));
+        assert!((taken / OFFSET_NM.powi(2) - 1.0).abs() < 0.1, "{taken}");
+        assert!(low > 0.0 && low < fraction && fraction < high, "{low} {fraction} {high}");
+        assert!(gain.acts && gain.where_exact > 0.5, "{gain:?}");
+    }
+
+    #[test]
+    fn what_is_not_there_gains_nothing_sure() {
+        for joint in (0..6).filter(|j| *j != JOINT) {
+            let gain = gained(joint);
+            assert!(gain.shrink.low <= 0.0, "joint {joint}: {gain:?}");
+        }
+    }
+}
