@@ -75,6 +75,8 @@ pub struct Term {
     pub held: Vec<bool>,
     /// How many starts the search of the nonlinear ones had.
     pub starts: usize,
+    /// Are its linear values those of the data alone, whatever is expected of them?
+    pub free: bool,
 }
 
 impl Term {
@@ -86,6 +88,7 @@ impl Term {
             searched: vec![],
             held: vec![false; candidate.linear()],
             starts: 1,
+            free: false,
         }
     }
 

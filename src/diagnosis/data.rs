@@ -26,6 +26,8 @@ pub struct Data<'a> {
     pub rated: Vec<f64>,
     /// Of the rows of a joint, the share that is independent of the others: each counts by its root.
     pub shares: Vec<f64>,
+    /// How well the scale of torque is known beside that of the links' masses, relative.
+    pub scale_error: f64,
     /// Columns that a search comes back to.
     kept: Mutex<HashMap<String, Arc<Vec<Raw>>>>,
 }
@@ -41,6 +43,7 @@ impl<'a> Data<'a> {
             discrepancy.features(j, noise, move |p, series| parts[p].block(j, series))
         };
         data.features = Arc::new((0..data.joints()).into_par_iter().map(rows).collect());
+        data.scale_error = settings.mass_error;
         data
     }
 
@@ -51,7 +54,8 @@ impl<'a> Data<'a> {
         let features = Arc::new((0..parts[0].joints()).map(|_| none()).collect());
         let rated = (0..parts[0].joints()).map(|j| rated(&parts, j)).collect();
         let shares = vec![1.0; parts[0].joints()];
-        Self { twin, parts, features, rated, shares, kept: Mutex::default() }
+        let (scale_error, kept) = (0.0, Mutex::default());
+        Self { twin, parts, features, rated, shares, scale_error, kept }
     }
 
     pub fn joints(&self) -> usize {

@@ -219,6 +219,15 @@ impl<'a> Fit<'a> {
         columns(self.data, &free, &built)
     }
 
+    /// d torque / d scale of all torque: what the model gives, N.m.
+    pub fn scale(&self) -> Raw {
+        let part = |(p, modelled): (&&Observed, &JointSeries)| {
+            let joint = |j: usize| p.block(j, modelled.joint(j));
+            Blocks((0..p.joints()).map(joint).collect())
+        };
+        self.data.raw(self.data.parts.iter().zip(self.modelled.iter()).map(part).collect())
+    }
+
     /// What another model gives at the values of this one, less the recorded torque, N.m.
     pub fn predicted(&self, model: &Model) -> Raw {
         let minus = |p: &&Observed| {
@@ -287,7 +296,10 @@ fn priors(data: &Data<'_>, model: &Model, columns: &[Raw]) -> Vec<f64> {
     let mut rest = &columns[open..];
     for term in &model.causes {
         let (own, others) = rest.split_at(term.candidate.linear());
-        all.extend(expected(data, term.candidate, own));
+        all.extend(match term.free {
+            true => vec![f64::INFINITY; own.len()],
+            false => expected(data, term.candidate, own),
+        });
         rest = others;
     }
     all

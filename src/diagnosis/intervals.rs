@@ -2,7 +2,8 @@
 //!
 //! From the information matrix of all linear parameters and of the nonlinear ones that were
 //! searched (their columns by central differences), in the metric of the discrepancy, rows counted by
-//! what is independent in what it leaves. The ends of a window of time are told otherwise (`windows`).
+//! what is independent in what it leaves. The scale of all torque, known as well as links' masses are, is
+//! a parameter beside them: what weighs is as uncertain as the scale it is weighed with. The ends of a window of time are told otherwise (`windows`).
 
 use super::candidate::Extent;
 use super::fit::Fit;
@@ -90,7 +91,8 @@ fn information(fit: &Fit<'_>) -> (Systems, Places) {
     let weights: Vec<f64> = fit.system.weights.iter().zip(shares).map(|(w, s)| w * s).collect();
     let mut priors = fit.system.priors.clone();
     priors.resize(columns.len(), f64::INFINITY);
-    let normal = Normal::new(columns, fit.predicted(&fit.model));
+    let residual = fit.predicted(&fit.model);
+    let normal = Normal::new(columns.clone(), residual.clone());
     let solve = |without: Option<usize>| {
         let here = |(j, w): (usize, &f64)| if without == Some(j) { 0.0 } else { *w };
         let weights = weights.iter().enumerate().map(here).collect();
@@ -100,12 +102,21 @@ fn information(fit: &Fit<'_>) -> (Systems, Places) {
     let joints = if several { fit.data.joints() } else { 0 };
     let moving = (0..joints).filter(|j| fit.data.rows(*j) > 0);
     let without = moving.map(|j| solve(Some(j))).collect();
-    (Systems { all: solve(None), without }, places)
+    let all = solve(None);
+    let scaled = (fit.data.scale_error > 0.0).then(|| {
+        columns.push(fit.scale());
+        let priors = [&priors[..], &[fit.data.scale_error]].concat();
+        let normal = Normal::new(columns, residual);
+        System::solve(&normal, &fit.metric, weights.clone(), priors)
+    });
+    (Systems { all, scaled, without }, places)
 }
 
-/// Steps of all parameters from all joints, and from all but one.
+/// Steps of all parameters from all joints, the same where the scale of torque may be another, and from
+/// all joints but one.
 struct Systems {
     all: System,
+    scaled: Option<System>,
     without: Vec<System>,
 }
 
@@ -114,9 +125,10 @@ struct Systems {
 /// are (the jackknife with Student's t: Efron, "The jackknife, the bootstrap and other resampling plans",
 /// 1982, section 3).
 fn half_width(systems: &Systems, column: usize) -> f64 {
-    let Systems { all, without } = systems;
+    let Systems { all, scaled, without } = systems;
     let own = all.variance(column);
-    let by_rows = normal_quantile(1.0 - LEVEL) * own.sqrt();
+    let by_rows = scaled.as_ref().map_or(own, |s| s.variance(column));
+    let by_rows = normal_quantile(1.0 - LEVEL) * by_rows.sqrt();
     let n = without.len() as f64;
     let told = |s: &&System| s.variance(column) < UNTOLD * own;
     let moved = without.iter().filter(told).map(|s| (s.x[column] - all.x[column]).powi(2));

@@ -30,10 +30,10 @@ fn is_mine(standing: &Standing<'_>, h: &Hypothesis<'_>) -> bool {
 /// heavier last link is less expected than a payload, and looks the same.
 fn is_equal(standing: &Standing<'_>, h: &Hypothesis<'_>, criteria: &Criteria) -> bool {
     let mine = standing.cause();
-    let near = |mine: f64, other: f64| {
-        criteria.trusted(mine) - criteria.trusted(other) < criteria.equal_odds.ln()
-    };
-    let as_well = || near(mine.nats, h.nats) || near(standing.shown(mine), standing.shown(h));
+    let trusted = |h: &Hypothesis<'_>| criteria.trusted(h.nats);
+    let near = |mine: f64, other: f64| mine - other < criteria.equal_odds.ln();
+    let as_well =
+        || near(trusted(mine), trusted(h)) || near(standing.shown(mine), standing.shown(h));
     !is_mine(standing, h) && h.at_bound.is_none() && h.nats > 0.0 && as_well()
 }
 

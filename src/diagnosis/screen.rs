@@ -113,18 +113,6 @@ fn at(trial: &Trial, nonlinear: &[f64], linear: Vec<f64>) -> Trial {
     }
 }
 
-/// Likelihood that a trial adds to a fit beside a discrepancy of these sizes, at its most likely linear
-/// values whatever is expected of them, less 1/2 ln n for each of its values, nats.
-pub fn likely(fit: &Fit<'_>, sizes: &[Vec<u8>], trial: &Trial) -> f64 {
-    let frame = frame(fit, sizes.to_vec());
-    let raw = fit.raw(trial.candidate, &trial.nonlinear);
-    let unknown = vec![f64::INFINITY; raw.len()];
-    let values = (raw.len() + trial.searched().len()) as f64;
-    let rows: f64 = (0..fit.data.joints()).map(|j| fit.data.count(j)).sum();
-    let added = frame.add(fit, trial.candidate, &raw, &unknown);
-    added.likelihood - 0.5 * values * rows.max(1.0).ln()
-}
-
 /// What a candidate's columns add to the model of a frame.
 struct Added {
     linear: Vec<f64>,

@@ -7,13 +7,13 @@
 use rayon::prelude::*;
 
 use super::bound::Adopted;
-use super::candidate::{Candidate, Extent, Place, acts_on};
+use super::candidate::{Candidate, Extent, Place, Term, acts_on};
 use super::criteria::Criteria;
 use super::data::Data;
 use super::fit::Fit;
 use super::model::Model;
 use super::refine::{self, Trial};
-use super::screen::{Screened, likely, screen};
+use super::screen::{Screened, screen};
 
 /// Candidates that are refined and weighed in full: a screening is right to within a few.
 const WEIGHED: usize = 10;
@@ -55,13 +55,17 @@ impl<'a> Standing<'a> {
     }
 
     /// What the data alone say of a hypothesis, whatever was expected of its values: its likelihood at
-    /// their best, over that without it, less 1/2 ln n for each (Schwarz, Ann. Stat. 6, 1978), nats. A
-    /// sensor's value is not linear and was expected nowhere: its evidence.
+    /// their best, over that without it, less 1/2 ln n for each (Schwarz, Ann. Stat. 6, 1978), nats.
+    /// Beside the discrepancy that it leaves or that the cause leaves: a narrow expectation enlarges it.
     pub fn shown(&self, h: &Hypothesis<'a>) -> f64 {
-        match h.candidate().senses() {
-            true => h.nats,
-            false => likely(&self.without, &h.fit.sizes, &h.trial),
-        }
+        let term = Term { free: true, ..h.trial.term() };
+        let values = term.held.iter().filter(|held| !**held).count() + term.searched.len();
+        let data = self.without.data;
+        let all = |fit: &Fit<'a>| (0..data.joints()).map(|j| fit.ln_likelihood(j)).sum::<f64>();
+        let own = Fit::new(data, self.without.model.with(term), h.fit.sizes.clone());
+        let best = all(&own).max(all(&own.beside(self.cause().fit.sizes.clone())));
+        let rows: f64 = (0..data.joints()).map(|j| data.count(j)).sum();
+        best - all(&self.without) - 0.5 * values as f64 * rows.max(1.0).ln()
     }
 
     /// What would be named in its place: of more evidence, and no rejection.
