@@ -4,6 +4,7 @@ mod answer;
 mod bootstrap;
 mod bound;
 mod built;
+mod called;
 mod candidate;
 mod conditioning;
 mod criteria;

@@ -67,11 +67,6 @@ impl<'a> Standing<'a> {
         let rows: f64 = (0..data.joints()).map(|j| data.count(j)).sum();
         best - all(&self.without) - 0.5 * values as f64 * rows.max(1.0).ln()
     }
-
-    /// What would be named in its place: of more evidence, and no rejection.
-    pub fn better(&self) -> Option<&Hypothesis<'a>> {
-        self.ranked[..self.index].iter().find(|h| h.at_bound.is_none())
-    }
 }
 
 /// One round: what was weighed, and what was added of it.

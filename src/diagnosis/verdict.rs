@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::answer::{Replaced, Unexplained};
-use super::candidate::{Candidate, Place};
+use super::called::{Called, called};
+use super::candidate::Place;
 use super::criteria::Criteria;
 use super::episodes::{Episode, episodes};
 use super::fit::Fit;
@@ -13,7 +14,7 @@ use super::kinematics::{self, Lagging};
 use super::model::Model;
 use super::observed::Observed;
 use super::ranking::{self, named};
-use super::search::{Found, Hypothesis, Round, Search, Standing, Weighed};
+use super::search::{Found, Round, Search, Standing, Weighed};
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
@@ -60,7 +61,7 @@ impl<'a> Findings<'a> {
             || kinematics::lagging(fit, check, settings),
         );
         let held = HeldOut::new(&alone.last, check);
-        let (last, standings, gains) = called_causes(both, &judge, &found);
+        let Called { fit: last, standings, gains } = called(both, &judge, &found);
         let alone = Fit::plain(blind.data, Model::of(fit.twin));
         Self {
             search: both,
@@ -257,76 +258,6 @@ impl<'a> Findings<'a> {
 /// What a cause takes off the check recording's mean square, (N.m)^2.
 fn taken(shrink: &Checked) -> f64 {
     shrink.check_before_nm.powi(2) - shrink.check_after_nm.powi(2)
-}
-
-/// The causes that are more probable than not and gain on the check recording, with their rivals: what
-/// does not is left out, and the others fitted again. Of names that look the same the best stands.
-fn called_causes<'a>(
-    both: &Search<'a>,
-    judge: &Judge<'_>,
-    found: &Found<'a>,
-) -> (Fit<'a>, Vec<Standing<'a>>, Vec<Gain>) {
-    let criteria = &both.criteria;
-    let mut last = found.last.clone();
-    let mut renamed = false;
-    let mut rejected: Vec<Candidate> = Vec::new();
-    loop {
-        // What costs least to see comes first.
-        let count = last.model.causes.len();
-        let gains: Vec<Gain> = (0..count).map(|i| judge.gain(&last, i)).collect();
-        let agrees = |i: usize| judge.agrees(&gains[i], last.model.causes[i].candidate, criteria);
-        let least = |a: &usize, b: &usize| gains[*a].largest().total_cmp(&gains[*b].largest());
-        if let Some(i) = (0..count).filter(|i| !agrees(*i)).min_by(least) {
-            last = both.without(&last, i);
-            continue;
-        }
-        let standings = both.standings(&last);
-        let fails = |i: &usize| {
-            let bound = standings[*i].cause().at_bound.is_some() || is_impossible(&last, *i);
-            bound || ranking::probability(&standings[*i], criteria) <= 0.5
-        };
-        let nats = |i: &usize| standings[*i].cause().nats;
-        let weakest = (0..count).filter(fails).min_by(|a, b| nats(a).total_cmp(&nats(b)));
-        let stands = |h: &&Hypothesis<'a>| !rejected.contains(&h.candidate());
-        let better = standings.iter().find_map(|s| s.better().filter(stands));
-        match (weakest, better) {
-            (Some(i), _) => {
-                // What fails may have stood in for what does not.
-                rejected.push(last.model.causes[i].candidate);
-                let fresh = |h: &&Hypothesis<'a>| {
-                    let inside = h.at_bound.is_none() && !rejected.contains(&h.candidate());
-                    inside && h.nats > criteria.least_nats
-                };
-                last = match standings[i].ranked.iter().find(fresh) {
-                    Some(h) => h.fit.clone(),
-                    None => both.without(&last, i),
-                };
-            }
-            (None, Some(better)) if !renamed => {
-                last = better.fit.clone();
-                renamed = true;
-            }
-            _ => return (last, standings, gains),
-        }
-    }
-}
-
-/// Is a linear value of cause `i` beyond what it can be?
-fn is_impossible(fit: &Fit<'_>, i: usize) -> bool {
-    let candidate = fit.model.causes[i].candidate;
-    let values = fit.values(i);
-    let linear = &values[..candidate.linear()];
-    let beyond = |(k, v): (usize, &f64)| {
-        let [min, max] = candidate.range(k, fit.data.twin);
-        let slack = 1e-6 * (max - min);
-        *v < min - slack || *v > max + slack
-    };
-    // The first one makes the effect what it is.
-    linear.iter().enumerate().any(beyond)
-        || linear.first().is_some_and(|v| {
-            let [min, _] = candidate.range(0, fit.data.twin);
-            min == 0.0 && *v <= 0.0
-        })
 }
 
 /// Values of the twin's open effects, one per joint.

@@ -90,7 +90,8 @@ fn lacks(d: &Diagnosis) -> String {
             true => first.effect.clone(),
             false => format!("{} at {}", first.effect, place(&joints)),
         };
-        let or = all.iter().flat_map(|c| &c.equivalent).next();
+        // Of several joints the table below says what looks the same at which.
+        let or = first.equivalent.first().filter(|_| all.len() == 1);
         let or = or.map_or(String::new(), |e| match e.joints.is_empty() {
             true => format!(" or {}", e.effect),
             false => format!(" or {} at {}", e.effect, place(&e.joints)),

@@ -23,7 +23,7 @@ fn one(c: &Cause) -> Markup {
         p { (sentence(&c.cause)) }
         (table(&rows::PARAMETERS, 2, c.parameters.iter().map(rows::parameter)))
         p {
-            "On the check recording, added to the others: "
+            "On the check recording, added to the others, beside what no cause explains: "
             (format!("{check_before_nm:.3} → {check_after_nm:.3} N.m, "))
             (words::percent(fraction)) " of the mean square "
             "(90 % interval " (words::percent(low)) " to " (words::percent(high)) ")."

@@ -1,0 +1,91 @@
+//! Which of what a search finds is called a cause.
+
+use super::candidate::Candidate;
+use super::fit::Fit;
+use super::judge::{Gain, Judge};
+use super::ranking::probability;
+use super::search::{Found, Hypothesis, Search, Standing};
+
+/// The model with the causes that are called causes, each among its rivals.
+pub struct Called<'a> {
+    pub fit: Fit<'a>,
+    pub standings: Vec<Standing<'a>>,
+    pub gains: Vec<Gain>,
+}
+
+/// Those that are more probable than not, gain on the check recording, and sit at no bound: what does not
+/// is left out, the weakest first, and the others are seen again without it.
+pub fn called<'a>(search: &Search<'a>, judge: &Judge<'_>, found: &Found<'a>) -> Called<'a> {
+    let mut fit = found.last.clone();
+    let mut rejected = Vec::new();
+    loop {
+        // What costs least to see comes first.
+        let count = fit.model.causes.len();
+        let gains: Vec<Gain> = (0..count).map(|i| judge.gain(&fit, i)).collect();
+        let agrees =
+            |i: &usize| judge.agrees(&gains[*i], fit.model.causes[*i].candidate, &search.criteria);
+        let least = |a: &usize, b: &usize| gains[*a].largest().total_cmp(&gains[*b].largest());
+        if let Some(i) = (0..count).filter(|i| !agrees(i)).min_by(least) {
+            fit = search.without(&fit, i);
+            continue;
+        }
+        let standings = search.standings(&fit);
+        match corrected(search, &fit, &standings, &mut rejected) {
+            Some(next) => fit = next,
+            None => return Called { fit, standings, gains },
+        }
+    }
+}
+
+/// Without the weakest that fails, or with the better one of two names; `None` where all stand. What is
+/// `rejected` does not come back.
+fn corrected<'a>(
+    search: &Search<'a>,
+    fit: &Fit<'a>,
+    standings: &[Standing<'a>],
+    rejected: &mut Vec<Candidate>,
+) -> Option<Fit<'a>> {
+    let criteria = &search.criteria;
+    let fails = |i: &usize| {
+        let bound = standings[*i].cause().at_bound.is_some() || is_impossible(fit, *i);
+        bound || probability(&standings[*i], criteria) <= 0.5
+    };
+    let nats = |i: &usize| standings[*i].cause().nats;
+    let weakest = (0..standings.len()).filter(fails).min_by(|a, b| nats(a).total_cmp(&nats(b)));
+    let next = |standing: &Standing<'a>, rejected: &[Candidate], least: f64| {
+        let fresh = |h: &&Hypothesis<'a>| {
+            let inside = h.at_bound.is_none() && !rejected.contains(&h.candidate());
+            inside && h.nats > least
+        };
+        standing.ranked.iter().find(fresh).map(|h| h.fit.clone())
+    };
+    if let Some(i) = weakest {
+        // What fails may have stood in for what does not.
+        rejected.push(standings[i].cause().candidate());
+        let instead = next(&standings[i], rejected, criteria.least_nats);
+        return Some(instead.unwrap_or_else(|| search.without(fit, i)));
+    }
+    standings.iter().find_map(|standing| {
+        let better = next(standing, rejected, standing.cause().nats)?;
+        rejected.push(standing.cause().candidate());
+        Some(better)
+    })
+}
+
+/// Is a linear value of cause `i` beyond what it can be?
+fn is_impossible(fit: &Fit<'_>, i: usize) -> bool {
+    let candidate = fit.model.causes[i].candidate;
+    let values = fit.values(i);
+    let linear = &values[..candidate.linear()];
+    let beyond = |(k, v): (usize, &f64)| {
+        let [min, max] = candidate.range(k, fit.data.twin);
+        let slack = 1e-6 * (max - min);
+        *v < min - slack || *v > max + slack
+    };
+    // The first one makes the effect what it is.
+    linear.iter().enumerate().any(beyond)
+        || linear.first().is_some_and(|v| {
+            let [min, _] = candidate.range(0, fit.data.twin);
+            min == 0.0 && *v <= 0.0
+        })
+}
