@@ -20,6 +20,7 @@ use crate::signals::central_difference;
 
 /// Groups, each with a size of its own.
 pub const GROUPS: [&str; 4] = ["posture", "masses", "timing", "time"];
+pub const MASSES: usize = 1;
 /// Those whose size is known beforehand: no larger than the features as they come.
 const KNOWN: [&str; 2] = ["masses", "timing"];
 /// Of the time between samples: channels are not taken at one instant better than this.

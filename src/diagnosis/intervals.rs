@@ -2,10 +2,12 @@
 //!
 //! From the information matrix of all linear parameters and of the nonlinear ones that were
 //! searched (their columns by central differences), in the metric of the discrepancy, rows counted by
-//! what is independent in what it leaves. The scale of all torque, known as well as links' masses are, is
-//! a parameter beside them: what weighs is as uncertain as the scale it is weighed with. The ends of a window of time are told otherwise (`windows`).
+//! what is independent in what it leaves. Links are as unsure there as they are said to be, and so is the
+//! scale of all torque, a parameter beside the others: what weighs is as uncertain as the scale it is
+//! weighed with. The ends of a window of time are told otherwise (`windows`).
 
 use super::candidate::Extent;
+use super::discrepancy::MASSES;
 use super::fit::Fit;
 use super::{Value, slow, windows};
 use crate::effects::{Parameter, Role};
@@ -107,9 +109,19 @@ fn information(fit: &Fit<'_>) -> (Systems, Places) {
         columns.push(fit.scale());
         let priors = [&priors[..], &[fit.data.scale_error]].concat();
         let normal = Normal::new(columns, residual);
-        System::solve(&normal, &fit.metric, weights.clone(), priors)
+        System::solve(&normal, &fit.data.metric(&unsure(fit)), weights.clone(), priors)
     });
     (Systems { all, scaled, without }, places)
+}
+
+/// Sizes of the discrepancy with the links' masses as unsure as they are said to be, whatever is most
+/// likely.
+fn unsure(fit: &Fit<'_>) -> Vec<Vec<u8>> {
+    let mut sizes = fit.sizes.clone();
+    for (sizes, features) in sizes.iter_mut().zip(fit.data.features.iter()) {
+        sizes[MASSES] = sizes[MASSES].max(features.most(MASSES));
+    }
+    sizes
 }
 
 /// Steps of all parameters from all joints, the same where the scale of torque may be another, and from

@@ -117,6 +117,11 @@ impl Features {
         self
     }
 
+    /// Largest step of group `g`; 0 where it has no features.
+    pub fn most(&self, g: usize) -> u8 {
+        if self.group.contains(&g) { self.largest[g] } else { 0 }
+    }
+
     /// All columns times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         let column = |c: &Vec<f64>| c.iter().map(|v| v * factor).collect();
