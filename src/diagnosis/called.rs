@@ -22,25 +22,29 @@ pub fn called<'a>(search: &Search<'a>, judge: &Judge<'_>, found: &Found<'a>) -> 
         // What costs least to see comes first.
         let count = fit.model.causes.len();
         let gains: Vec<Gain> = (0..count).map(|i| judge.gain(&fit, i)).collect();
-        let agrees =
-            |i: &usize| judge.agrees(&gains[*i], fit.model.causes[*i].candidate, &search.criteria);
         let least = |a: &usize, b: &usize| gains[*a].largest().total_cmp(&gains[*b].largest());
+        let agrees = |i: &usize| agrees(search, judge, &fit, *i, &gains[*i]);
         if let Some(i) = (0..count).filter(|i| !agrees(i)).min_by(least) {
             fit = search.without(&fit, i);
             continue;
         }
         let standings = search.standings(&fit);
-        match corrected(search, &fit, &standings, &mut rejected) {
+        match corrected(search, judge, &fit, &standings, &mut rejected) {
             Some(next) => fit = next,
             None => return Called { fit, standings, gains },
         }
     }
 }
 
+fn agrees(search: &Search<'_>, judge: &Judge<'_>, fit: &Fit<'_>, i: usize, gain: &Gain) -> bool {
+    judge.agrees(gain, fit.model.causes[i].candidate, &search.criteria)
+}
+
 /// Without the weakest that fails, or with the better one of two names; `None` where all stand. What is
 /// `rejected` does not come back.
 fn corrected<'a>(
     search: &Search<'a>,
+    judge: &Judge<'_>,
     fit: &Fit<'a>,
     standings: &[Standing<'a>],
     rejected: &mut Vec<Candidate>,
@@ -60,15 +64,20 @@ fn corrected<'a>(
         standing.ranked.iter().find(fresh).map(|h| h.fit.clone())
     };
     if let Some(i) = weakest {
-        // What fails may have stood in for what does not.
+        // What fails may have stood in for what does not, and looks the same.
         rejected.push(standings[i].cause().candidate());
-        let instead = next(&standings[i], rejected, criteria.least_nats);
+        let least = (nats(&i) - criteria.equal_odds.ln()).max(criteria.least_nats);
+        let instead = next(&standings[i], rejected, least);
         return Some(instead.unwrap_or_else(|| search.without(fit, i)));
     }
+    // A better name beside which all others stand.
     standings.iter().find_map(|standing| {
         let better = next(standing, rejected, standing.cause().nats)?;
-        rejected.push(standing.cause().candidate());
-        Some(better)
+        let gain = |i: usize| judge.gain(&better, i);
+        let stand = |i| agrees(search, judge, &better, i, &gain(i));
+        let stand = (0..better.model.causes.len()).all(stand);
+        rejected.extend(stand.then_some(standing.cause().candidate()));
+        stand.then_some(better)
     })
 }
 
