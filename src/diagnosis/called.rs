@@ -2,9 +2,10 @@
 
 use super::candidate::Candidate;
 use super::fit::Fit;
+use super::hypotheses::{Hypotheses, Hypothesis, Standing};
 use super::judge::{Gain, Judge};
 use super::ranking::probability;
-use super::search::{Found, Hypothesis, Search, Standing};
+use super::search::Found;
 
 /// The model with the causes that are called causes, each among its rivals.
 pub struct Called<'a> {
@@ -15,7 +16,7 @@ pub struct Called<'a> {
 
 /// Those that are more probable than not, gain on the check recording, and sit at no bound: what does not
 /// is left out, the weakest first, and the others are seen again without it.
-pub fn called<'a>(search: &Search<'a>, judge: &Judge<'_>, found: &Found<'a>) -> Called<'a> {
+pub fn called<'a>(search: &Hypotheses<'a>, judge: &Judge<'_>, found: &Found<'a>) -> Called<'a> {
     let mut fit = found.last.clone();
     let mut rejected = Vec::new();
     loop {
@@ -36,14 +37,20 @@ pub fn called<'a>(search: &Search<'a>, judge: &Judge<'_>, found: &Found<'a>) -> 
     }
 }
 
-fn agrees(search: &Search<'_>, judge: &Judge<'_>, fit: &Fit<'_>, i: usize, gain: &Gain) -> bool {
+fn agrees(
+    search: &Hypotheses<'_>,
+    judge: &Judge<'_>,
+    fit: &Fit<'_>,
+    i: usize,
+    gain: &Gain,
+) -> bool {
     judge.agrees(gain, fit.model.causes[i].candidate, &search.criteria)
 }
 
 /// Without the weakest that fails, or with the better one of two names; `None` where all stand. What is
 /// `rejected` does not come back.
 fn corrected<'a>(
-    search: &Search<'a>,
+    search: &Hypotheses<'a>,
     judge: &Judge<'_>,
     fit: &Fit<'a>,
     standings: &[Standing<'a>],

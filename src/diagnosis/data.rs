@@ -10,7 +10,7 @@ use super::Settings;
 use super::discrepancy::{Discrepancy, GROUPS};
 use super::observed::Observed;
 use crate::regression::random_effects::{Features, JointMetric, Metric, ln_likelihood};
-use crate::regression::{Blocks, Column, Raw};
+use crate::regression::{Blocks, Raw};
 use crate::twin::Twin;
 
 /// Share of the sensors' noise floor that no model is believed to fall short of: the floor is an
@@ -138,20 +138,6 @@ impl<'a> Data<'a> {
     pub fn metric(&self, steps: &[Vec<u8>]) -> Metric {
         let joint = |(f, s): (&Features, &Vec<u8>)| f.metric(s);
         Metric { joints: self.features.iter().zip(steps).map(joint).collect() }
-    }
-
-    /// The most likely discrepancy of a joint for a residual, N.m at its rows; empty where there is
-    /// none.
-    pub fn discrepancy(&self, j: usize, residual: &Column, metric: &Metric) -> Vec<f64> {
-        let (features, metric) = (&self.features[j], &metric.joints[j]);
-        if metric.is_plain() || self.rows(j) == 0 {
-            return Vec::new();
-        }
-        let coefficients = metric.coefficients(residual.taken(j), features.columns.len());
-        let mut sum = features.sum(&coefficients, None);
-        let root = self.shares[j].sqrt();
-        sum.iter_mut().for_each(|d| *d /= root);
-        sum
     }
 
     /// Log-likelihood of a joint's rows that leave `squares` in a metric, the discrepancy integrated

@@ -15,11 +15,12 @@ use rand_distr::{Distribution, StandardNormal};
 use super::Settings;
 use super::observed::Observed;
 use crate::regression::random_effects::Features;
-use crate::robot::body_regressor_series;
+use crate::robot::{Body, body_regressor_series};
 use crate::signals::central_difference;
 
 /// Groups, each with a size of its own.
 pub const GROUPS: [&str; 4] = ["posture", "masses", "timing", "time"];
+/// The place of "masses" among them.
 pub const MASSES: usize = 1;
 /// Those whose size is known beforehand: no larger than the features as they come.
 const KNOWN: [&str; 2] = ["masses", "timing"];
@@ -78,8 +79,7 @@ impl<'a> Discrepancy<'a> {
     }
 
     /// The features of a joint over the rows of all recordings, whose noise has this standard
-    /// deviation (N.m); `rows` makes rows of a series over
-    /// the samples of recording number p.
+    /// deviation (N.m); `rows` makes rows of a series over the samples of recording number p.
     pub fn features(
         &self,
         joint: usize,
@@ -145,17 +145,14 @@ impl<'a> Discrepancy<'a> {
     /// Masses and centres of the links as far as they are known beforehand, at this joint alone.
     fn masses(&self, part: usize, joint: usize) -> Vec<Series> {
         let Observed { samples, twin, .. } = self.parts[part];
-        let Settings { mass_error, centre_error_m, .. } = *self.settings;
-        if mass_error <= 0.0 {
+        if self.settings.mass_error <= 0.0 {
             return Vec::new();
         }
         let robot = &twin.robot;
         let mut all = Vec::new();
         for (link, body) in robot.bodies.iter().enumerate().skip(joint) {
             let columns = body_regressor_series(robot, &samples.q, &samples.qd, &samples.qdd, link);
-            let mass = mass_error * body.inertia.mass;
-            let moment = centre_error_m * body.inertia.mass + mass * body.inertia.com.norm();
-            for (column, sd) in columns.iter().zip([mass, moment, moment, moment]) {
+            for (column, sd) in columns.iter().zip(mass_errors(body, self.settings)) {
                 all.push(column.joint(joint).iter().map(|c| sd * c).collect());
             }
         }
@@ -185,6 +182,13 @@ impl<'a> Discrepancy<'a> {
         }
         all
     }
+}
+
+/// How far mass (kg) and first moments (kg.m) of a link may be off, standard deviations.
+pub fn mass_errors(body: &Body, settings: &Settings) -> [f64; 4] {
+    let mass = settings.mass_error * body.inertia.mass;
+    let moment = settings.centre_error_m * body.inertia.mass + mass * body.inertia.com.norm();
+    [mass, moment, moment, moment].map(|sd| sd.max(f64::MIN_POSITIVE))
 }
 
 /// Mean and standard deviation.

@@ -135,7 +135,15 @@ impl<'a> Fit<'a> {
 
     /// The most likely discrepancy of a joint, N.m at its rows; empty where there is none.
     pub fn discrepancy(&self, j: usize) -> Vec<f64> {
-        self.data.discrepancy(j, &self.system.residual, &self.metric)
+        let (features, metric) = (&self.data.features[j], &self.metric.joints[j]);
+        if metric.is_plain() || self.data.rows(j) == 0 {
+            return Vec::new();
+        }
+        let taken = self.system.residual.taken(j);
+        let mut sum = features.sum(&metric.coefficients(taken, features.columns.len()), None);
+        let root = self.data.shares[j].sqrt();
+        sum.iter_mut().for_each(|d| *d /= root);
+        sum
     }
 
     /// The columns of a further candidate, as the rows show them.
@@ -174,19 +182,50 @@ impl<'a> Fit<'a> {
 
     /// d torque / d value of what a sensor of `candidate` shows, around none: a column to search by.
     pub fn sensed(&self, candidate: Candidate, nonlinear: &[f64]) -> Raw {
-        let term = Term::new(candidate, nonlinear.to_vec());
+        let mut sensors = self.model.causes.clone();
+        sensors.push(Term::new(candidate, nonlinear.to_vec()));
+        self.otherwise_sensed(candidate, &sensors, nonlinear[0])
+    }
+
+    /// d torque / d nonlinear parameter `i` of cause `k`, N.m per unit, by a difference of `step`.
+    pub fn slope(&self, k: usize, i: usize, step: f64) -> Raw {
+        let cause = &self.model.causes[k];
+        let mut moved = cause.nonlinear.clone();
+        moved[i] += step;
+        if cause.candidate.senses() {
+            let mut sensors = self.model.causes.clone();
+            sensors[k].nonlinear = moved;
+            return self.otherwise_sensed(cause.candidate, &sensors, step);
+        }
+        let linear = &self.values(k)[..cause.candidate.linear()];
+        let at = |p: usize, nonlinear: &[f64]| self.blocks(p, cause.candidate, nonlinear);
+        let change = |p: usize| {
+            let mut sum = Blocks((0..self.data.joints()).map(|_| Vec::new()).collect());
+            for (columns, sign) in [(at(p, &moved), 1.0), (at(p, &cause.nonlinear), -1.0)] {
+                for (column, value) in columns.iter().zip(linear) {
+                    sum.gather(sign * value / step, column);
+                }
+            }
+            sum
+        };
+        self.data.raw((0..self.data.parts.len()).map(change).collect())
+    }
+
+    /// What other `sensors` would show of the joints that `candidate` acts on, less what is shown, per
+    /// `step`.
+    fn otherwise_sensed(&self, candidate: Candidate, sensors: &[Term], step: f64) -> Raw {
         let change = |p: usize| {
             let observed = self.data.parts[p];
             let joint = |j: usize| {
                 if !acts_on(candidate, j) {
                     return Vec::new();
                 }
-                let series = self.modelled[p].joint(j).to_vec();
-                let sensors = &self.model.causes;
-                let before = observed.block(j, &sense(observed, sensors, j, series.clone()));
-                let later = sense(observed, std::slice::from_ref(&term), j, series);
-                let after = observed.block(j, &sense(observed, sensors, j, later));
-                after.iter().zip(before).map(|(a, b)| (a - b) / nonlinear[0]).collect()
+                let with = |sensors: &[Term]| {
+                    let series = self.modelled[p].joint(j).to_vec();
+                    observed.block(j, &sense(observed, sensors, j, series))
+                };
+                let (before, after) = (with(&self.model.causes), with(sensors));
+                after.iter().zip(before).map(|(a, b)| (a - b) / step).collect()
             };
             Blocks((0..observed.joints()).map(joint).collect())
         };

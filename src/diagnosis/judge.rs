@@ -23,7 +23,7 @@ pub struct Judge<'a> {
 }
 
 /// What a cause takes off the check recording.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Gain {
     pub shrink: Checked,
     /// Share of what the others leave, at the joint where it is largest: of those where the model is

@@ -16,9 +16,11 @@ mod fit;
 mod floor;
 mod gap;
 mod held_out;
+mod hypotheses;
 mod intervals;
 mod judge;
 mod kinematics;
+mod link_masses;
 mod local_noise;
 mod locate;
 mod mend;
@@ -31,6 +33,7 @@ mod reasons;
 mod refine;
 mod regimes;
 mod repeats;
+mod revise;
 mod screen;
 mod search;
 mod shrink;
@@ -174,7 +177,7 @@ fn once(
     let both = counted(data::Data::new(vec![&fit, &check], settings));
     let alone = counted(data::Data::new(vec![&fit], settings));
     let other = counted(data::Data::new(vec![&check], settings));
-    let search = |data, recordings: &[usize]| search::Search {
+    let search = |data, recordings: &[usize]| hypotheses::Hypotheses {
         data,
         candidates: candidate::candidates(twin, &settings.without, recordings),
         criteria: settings.criteria,

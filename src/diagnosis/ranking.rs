@@ -3,7 +3,7 @@
 use super::candidate::Candidate;
 use super::criteria::Criteria;
 use super::fit::Fit;
-use super::search::{Hypothesis, Standing};
+use super::hypotheses::{Hypothesis, Standing};
 use super::verdict::Findings;
 use super::{Cause, Named, Ranked};
 

@@ -9,17 +9,18 @@ use super::criteria::Criteria;
 use super::episodes::{Episode, episodes};
 use super::fit::Fit;
 use super::held_out::{self, HeldOut};
+use super::hypotheses::{Hypotheses, Standing};
 use super::judge::{Gain, Judge};
 use super::kinematics::{self, Lagging};
 use super::model::Model;
 use super::observed::Observed;
 use super::ranking::{self, named};
-use super::search::{Found, Round, Search, Standing, Weighed};
+use super::search::{Found, Round, Weighed, search};
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
     Cause, Checked, Diagnosis, Floor, Rejected, RoundEvidence, Scored, Settings, Shrink, Value,
-    Verdict, experiment, gap, intervals, torque_shrink,
+    Verdict, experiment, gap, intervals, link_masses, torque_shrink,
 };
 use crate::effects::Role;
 
@@ -28,7 +29,7 @@ const SCHEMA: &str = "armtwin.diagnosis/1";
 /// Everything an answer is made from.
 pub struct Findings<'a> {
     /// Of both recordings.
-    pub search: &'a Search<'a>,
+    pub search: &'a Hypotheses<'a>,
     pub found: Found<'a>,
     /// With the causes that are called causes.
     pub last: Fit<'a>,
@@ -49,15 +50,15 @@ pub struct Findings<'a> {
 impl<'a> Findings<'a> {
     /// `both` is the search of both recordings, `blind` that of the fit recording alone.
     pub fn new(
-        both: &'a Search<'a>,
-        blind: &'a Search<'a>,
+        both: &'a Hypotheses<'a>,
+        blind: &'a Hypotheses<'a>,
         judge: Judge<'_>,
         [fit, check]: [&'a Observed<'a>; 2],
         floor: Vec<Floor>,
         settings: &'a Settings,
     ) -> Self {
         let ((found, alone), lagging) = rayon::join(
-            || rayon::join(|| both.run(), || blind.run()),
+            || rayon::join(|| search(both), || search(blind)),
             || kinematics::lagging(fit, check, settings),
         );
         let held = HeldOut::new(&alone.last, check);
@@ -238,6 +239,7 @@ impl<'a> Findings<'a> {
                 super::candidate::describe(term.candidate)
             ));
         }
+        notes.extend(link_masses::says(&self.last, self.settings));
         let blind: Vec<String> = self
             .held
             .causes

@@ -1,0 +1,97 @@
+//! What links' masses take up within what they are known to: never silently.
+//!
+//! Beside the causes all links get a change of mass and of first moment, each expected to be as large
+//! as the twin's values are said to be unsure; the same values act at all joints.
+
+use super::Settings;
+use super::discrepancy::{MASSES, mass_errors};
+use super::fit::Fit;
+use super::observed::Observed;
+use crate::regression::bounds::Bounds;
+use crate::regression::{Blocks, Column, Raw};
+use crate::robot::body_regressor_series;
+use crate::statistics::normal_quantile;
+
+/// Of the intervals.
+const LEVEL: f64 = 0.9;
+
+/// A link that is heavier or lighter than the twin's.
+struct Change<'a> {
+    link: &'a str,
+    kg: f64,
+    half: f64,
+    /// Of its mass.
+    share: f64,
+}
+
+/// What links' masses take up beside the causes, in words; `None` where that is no more than noise.
+pub fn says(fit: &Fit<'_>, settings: &Settings) -> Option<String> {
+    let Settings { mass_error, centre_error_m, .. } = *settings;
+    if mass_error <= 0.0 {
+        return None;
+    }
+    // They stand for themselves here.
+    let mut sizes = fit.sizes.clone();
+    sizes.iter_mut().for_each(|s| s[MASSES] = 0);
+    let fit = fit.clone().beside(sizes);
+    let bodies = &fit.data.twin.robot.bodies;
+    let raw: Vec<Raw> = (0..bodies.len()).flat_map(|link| columns(&fit, link)).collect();
+    let columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &fit.metric)).collect();
+    let expected: Vec<f64> = bodies.iter().flat_map(|b| mass_errors(b, settings)).collect();
+    let projected = fit.system.project(&columns, &expected);
+    let (x, _) = projected.solve(&Bounds::unbounded(columns.len()));
+    let variances = projected.variances();
+    let half = normal_quantile(0.5 + 0.5 * LEVEL);
+    let changes = bodies.iter().enumerate().map(|(link, body)| Change {
+        link: &body.name,
+        kg: x[4 * link],
+        half: half * variances[4 * link].sqrt(),
+        share: x[4 * link] / body.inertia.mass,
+    });
+    let sure: Vec<String> =
+        changes.filter(|c| c.kg.abs() > c.half).map(|c| c.says(mass_error)).collect();
+    let links = if sure.is_empty() { "no link by itself".into() } else { sure.join(", ") };
+    let most = (0..fit.data.joints()).map(|j| (j, taken_up(&fit, &raw, x.as_slice(), j)));
+    let (joint, nm) = most.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let known = format!("{:.0} %, centres to {:.0} mm", 100.0 * mass_error, 1e3 * centre_error_m);
+    (nm.powi(2) > fit.data.least(joint)).then(|| {
+        format!(
+            "links' masses, known to {known}, take up {nm:.2} N.m at joint {}: {links}",
+            joint + 1
+        )
+    })
+}
+
+impl Change<'_> {
+    /// `link 3 +0.31 kg (13 %, more than the 5 % it is said to be known to)`
+    fn says(&self, known_to: f64) -> String {
+        let Self { link, kg, half, share } = self;
+        let percent = 100.0 * share.abs();
+        let more = match share.abs() > known_to {
+            true => format!(", more than the {:.0} % it is said to be known to", 100.0 * known_to),
+            false => String::new(),
+        };
+        format!("{link} {kg:+.2} kg ({:+.2} to {:+.2}; {percent:.0} %{more})", kg - half, kg + half)
+    }
+}
+
+/// Torque per unit of a link's mass and first moments, at the rows.
+fn columns(fit: &Fit<'_>, link: usize) -> Vec<Raw> {
+    let part = |p: &&Observed<'_>| {
+        let samples = p.samples;
+        let robot = &p.twin.robot;
+        let all = body_regressor_series(robot, &samples.q, &samples.qd, &samples.qdd, link);
+        let rows =
+            |i: usize| Blocks((0..p.joints()).map(|j| p.block(j, all[i].joint(j))).collect());
+        (0..4).map(rows).collect::<Vec<Blocks>>()
+    };
+    let parts: Vec<Vec<Blocks>> = fit.data.parts.iter().map(part).collect();
+    (0..4).map(|i| fit.data.raw(parts.iter().map(|p| p[i].clone()).collect())).collect()
+}
+
+/// Root mean square of what the changes give at a joint, N.m.
+fn taken_up(fit: &Fit<'_>, columns: &[Raw], x: &[f64], joint: usize) -> f64 {
+    let mut sum = Blocks((0..fit.data.joints()).map(|_| Vec::new()).collect());
+    columns.iter().zip(x).for_each(|(c, x)| sum.gather(*x, &c.rows));
+    (sum.squares()[joint] / fit.data.count(joint).max(1.0)).sqrt()
+}

@@ -1,0 +1,80 @@
+//! The causes of a model seen together again: what one was found beside may since have gone.
+
+use super::bound::Adopted;
+use super::candidate::{Candidate, Extent};
+use super::fit::Fit;
+use super::hypotheses::{Hypotheses, WEIGHED};
+use super::refine;
+use crate::regression::bounds::Bounds;
+use crate::regression::{Column, Raw};
+
+/// Rounds of exchanging causes.
+const REVISIONS: usize = 4;
+
+/// The causes seen together again, as far as they meet what is `fresh` among them: one that no longer
+/// earns its place is dropped, one that another fills better gives way.
+pub fn revised<'a>(all: &Hypotheses<'a>, mut fit: Fit<'a>, mut fresh: Vec<Candidate>) -> Fit<'a> {
+    for _ in 0..REVISIONS {
+        if fit.model.causes.len() < 2 {
+            break;
+        }
+        let Some(better) = exchanged(all, &fit, &fresh) else { break };
+        let come = better.model.causes.iter().filter(|t| !fit.model.has(t.candidate));
+        let gone = fit.model.causes.iter().filter(|t| !better.model.has(t.candidate));
+        fresh = come.chain(gone).map(|t| t.candidate).collect();
+        fit = better;
+    }
+    fit
+}
+
+fn exchanged<'a>(all: &Hypotheses<'a>, fit: &Fit<'a>, fresh: &[Candidate]) -> Option<Fit<'a>> {
+    let meets = |c: Candidate| fresh.iter().any(|f| f.extent().meets(c.extent()));
+    let indices = (0..fit.model.causes.len()).filter(|i| meets(fit.model.causes[*i].candidate));
+    let indices: Vec<usize> = indices.collect();
+    let slopes = slopes(fit);
+    indices.into_iter().find_map(|i| {
+        let cause = fit.model.causes[i].candidate;
+        let without = refined(all, all.without(fit, i), &slopes, cause.extent());
+        let mine = fit.ln_evidence() - without.ln_evidence() - all.ln_rivals();
+        if mine < all.criteria.least_nats {
+            return Some(without);
+        }
+        let ranked = all.rivals(fit, &without, cause, WEIGHED / 2);
+        let best = ranked.into_iter().find(|h| h.at_bound.is_none())?;
+        (best.nats > mine + all.criteria.least_nats).then_some(best.fit)
+    })
+}
+
+/// How the torque of each cause changes with its nonlinear values, at the joints it acts on.
+fn slopes(fit: &Fit<'_>) -> Vec<(Candidate, Vec<Raw>)> {
+    let causes = fit.model.causes.iter().enumerate().filter(|(_, t)| !t.searched.is_empty());
+    causes.map(|(k, t)| (t.candidate, refine::slopes(fit, k))).collect()
+}
+
+/// Without a cause at `extent` the others may be elsewhere: those whose values gain by a step are
+/// searched again.
+fn refined<'a>(
+    all: &Hypotheses<'a>,
+    mut fit: Fit<'a>,
+    slopes: &[(Candidate, Vec<Raw>)],
+    extent: Extent,
+) -> Fit<'a> {
+    for (cause, slopes) in slopes.iter().filter(|(c, _)| c.extent().meets(extent)) {
+        let Some(i) = fit.model.causes.iter().position(|t| t.candidate == *cause) else { continue };
+        let columns: Vec<Column> = slopes.iter().map(|s| Column::new(s, &fit.metric)).collect();
+        let unknown = vec![f64::INFINITY; columns.len()];
+        let step = fit.system.project(&columns, &unknown);
+        let (_, gain) = step.solve(&Bounds::unbounded(columns.len()));
+        if gain <= all.criteria.least_nats {
+            continue;
+        }
+        let others = Fit::new(all.data, fit.model.without(i), fit.sizes.clone());
+        let trial = refine::tried(&others, &fit.model.causes[i]);
+        let trial = refine::refine(&others, &trial);
+        let better = all.tuned(Adopted::new(&others, trial).fit, &all.touched(*cause));
+        if better.ln_evidence() > fit.ln_evidence() {
+            fit = better;
+        }
+    }
+    fit
+}
