@@ -44,6 +44,24 @@ pub struct Episode {
     pub force_n: [f64; 3],
     /// Of the squares of the stretch's gap, the share that this force explains.
     pub explained: f64,
+    /// The force from outside over time, where one is more probable than none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub touch: Option<Touch>,
+}
+
+/// A force from outside.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Touch {
+    /// From 1 at the base: the most probable one.
+    pub link: usize,
+    pub link_probability: f64,
+    /// In the recording, s.
+    pub start_s: f64,
+    pub end_s: f64,
+    pub peak_time_s: f64,
+    /// Largest force, N, and its standard deviation.
+    pub peak_n: f64,
+    pub peak_sd_n: f64,
 }
 
 impl Episode {
@@ -135,6 +153,7 @@ impl Stretch<'_, '_> {
             peak_nm: gaps.iter().fold(0.0, |peak, gap| gap.abs().max(peak)),
             force_n,
             explained,
+            touch: None,
         })
     }
 

@@ -95,3 +95,41 @@ fn taken_up(fit: &Fit<'_>, columns: &[Raw], x: &[f64], joint: usize) -> f64 {
     columns.iter().zip(x).for_each(|(c, x)| sum.gather(*x, &c.rows));
     (sum.squares()[joint] / fit.data.count(joint).max(1.0)).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::data::Data;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::model::Model;
+    use crate::diagnosis::testing::{noisy, samples};
+    use crate::twin::Twin;
+
+    const LINK: usize = 2;
+
+    /// Of an arm whose link is heavier than the twin's by a share of its mass.
+    fn said(heavier: f64) -> Option<String> {
+        let twin = Twin::default();
+        let mut arm = twin.clone();
+        arm.robot.bodies[LINK].inertia.mass *= 1.0 + heavier;
+        let mut made = samples(6, 4000, |j, t| 0.7 * ((0.9 + 0.2 * j as f64) * t).sin());
+        made.torque = arm.torque(&arm.motion(&made));
+        noisy(&mut made, 0.3);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let settings = Settings::default();
+        let data = Data::new(vec![&observed], &settings);
+        says(&Fit::plain(&data, Model::of(&twin)), &settings)
+    }
+
+    #[test]
+    fn what_links_take_up_is_told() {
+        let said = said(0.04).expect("a link that is 4 % heavier");
+        assert!(said.contains("take up") && said.contains("N.m at joint"), "{said}");
+    }
+
+    #[test]
+    fn of_an_exact_twin_nothing_is_told() {
+        assert_eq!(said(0.0), None);
+    }
+}

@@ -40,6 +40,7 @@ mod shrink;
 mod slow;
 #[cfg(test)]
 mod testing;
+mod touches;
 mod traces;
 mod unexplained;
 mod untestable;
@@ -54,7 +55,7 @@ pub use answer::{
 };
 pub use conditioning::conditioning;
 pub use criteria::Criteria;
-pub use episodes::Episode;
+pub use episodes::{Episode, Touch};
 pub use floor::{Floor, FloorFrom, noise_floor};
 pub use gap::gap;
 pub use locate::locate;
@@ -187,7 +188,9 @@ fn once(
     let alone = search(&alone, &[0]);
     let floor = floors[1].clone();
     let findings = verdict::Findings::new(&both, &alone, judge, [&fit, &check], floor, settings);
-    let answer = findings.answer();
+    let mut answer = findings.answer();
+    let mended = mend(twin, &answer.fitted, &answer.causes);
+    touches::touched(&mended, samples, &mut answer.episodes)?;
     let traces = Traces::new(&findings, &answer);
     Ok((answer, traces))
 }

@@ -78,3 +78,51 @@ fn refined<'a>(
     }
     fit
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::candidate::{Place, Term};
+    use crate::diagnosis::criteria::Criteria;
+    use crate::diagnosis::data::Data;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::model::Model;
+    use crate::diagnosis::observed::Observed;
+    use crate::diagnosis::testing::{noisy, samples};
+    use crate::effects::find;
+    use crate::twin::Twin;
+
+    const DELAY_S: f64 = 0.03;
+    const FOUND_S: f64 = 0.015;
+
+    /// A delay that was found too short, beside an elastic joint that stands in for the rest of it:
+    /// without the joint the delay is what it is.
+    #[test]
+    fn what_stands_in_for_half_of_a_value_goes() {
+        let twin = Twin::default();
+        let mut made = samples(6, 3000, |j, t| 0.7 * ((1.1 + 0.2 * j as f64) * t).sin());
+        let late = (DELAY_S / made.dt).round();
+        let motion = twin.motion(&made);
+        let torque = twin.torque(&motion);
+        made.torque = torque
+            .map_joints(|_, t| (0..t.len()).map(|k| t[k.saturating_sub(late as usize)]).collect());
+        noisy(&mut made, 0.05);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let data = Data::plain(vec![&observed]);
+        let delay = Candidate::new(find("time_delay").unwrap(), Place::Arm);
+        let elastic = Candidate::new(find("joint_flexibility").unwrap(), Place::Joint(1));
+        let criteria = Criteria::default();
+        let all = Hypotheses { data: &data, candidates: vec![delay, elastic], criteria };
+        let state = Fit::plain(&data, Model::of(&twin));
+        let too_short = refine::tried(&state, &Term::new(delay, vec![FOUND_S])).term();
+        let state = Fit::plain(&data, state.model.with(too_short));
+        let ranked = all.rivals(&state, &state, elastic, 1);
+        let both = ranked.into_iter().next().unwrap().fit;
+        assert!(both.model.has(elastic) && both.ln_evidence() > state.ln_evidence() + 10.0);
+        let revised = revised(&all, both, vec![elastic]);
+        assert!(!revised.model.has(elastic), "{:?}", revised.model.causes);
+        let found = revised.values(0)[0];
+        assert!((found - late * made.dt).abs() < 1e-3, "{found} s");
+    }
+}

@@ -1,6 +1,6 @@
 //! A diagnosis in sentences.
 
-use super::{Cause, Diagnosis, Episode, UnexplainedJoint, Verdict};
+use super::{Cause, Diagnosis, Episode, Touch, UnexplainedJoint, Verdict};
 
 /// "joint 2", "joints 1, 3" or "the whole arm"; joints count from 1.
 pub fn place(joints: &[usize]) -> String {
@@ -65,11 +65,18 @@ pub fn stays(d: &Diagnosis) -> String {
 
 /// When something pushed at the arm, as far as one force explains what stands out there.
 fn pushes(d: &Diagnosis) -> String {
-    let times = |e: &Episode| format!("{:.1} to {:.1} s ({})", e.start, e.end, e.recording);
-    let all: Vec<String> = d.episodes.iter().filter(|e| e.is_push()).map(times).collect();
+    let one = |e: &Episode| {
+        let Episode { start, end, recording, .. } = e;
+        let touch = e.touch.as_ref();
+        let touch =
+            touch.map_or(String::new(), |t| format!(", {:.0} N at link {}", t.peak_n, t.link));
+        format!("{start:.1} to {end:.1} s ({recording}{touch})")
+    };
+    let pushed = d.episodes.iter().filter(|e| e.is_push() || e.touch.is_some());
+    let all: Vec<String> = pushed.map(one).collect();
     match all.is_empty() {
         true => String::new(),
-        false => format!(" Something pushes at the flange: {}.", all.join(", ")),
+        false => format!(" Something pushes at the arm: {}.", all.join(", ")),
     }
 }
 
@@ -137,8 +144,8 @@ fn worst(d: &Diagnosis) -> String {
 }
 
 /// Header and cells of a table of stretches that stand out.
-pub const EPISODES: [&str; 6] =
-    ["recording", "time s", "joints", "peak N.m", "force at the flange N", "explains"];
+pub const EPISODES: [&str; 7] =
+    ["recording", "time s", "joints", "peak N.m", "force at the flange N", "explains", "touched"];
 
 pub fn episode(e: &Episode) -> Vec<String> {
     let force: Vec<String> = e.force_n.iter().map(|f| format!("{f:.0}")).collect();
@@ -149,12 +156,21 @@ pub fn episode(e: &Episode) -> Vec<String> {
         format!("{:.1}", e.peak_nm),
         if e.is_push() { force.join(" ") } else { "-".into() },
         percent(e.explained.max(0.0)),
+        e.touch.as_ref().map_or("-".into(), touch),
     ]
+}
+
+/// `link 5 (83 %), 41 +- 6 N at 12.9 s`
+fn touch(t: &Touch) -> String {
+    let Touch { link, link_probability, peak_n, peak_sd_n, peak_time_s, .. } = t;
+    let sure = percent(*link_probability);
+    format!("link {link} ({sure}), {peak_n:.0} +- {peak_sd_n:.0} N at {peak_time_s:.1} s")
 }
 
 /// What that table shows.
 pub const LOUDER: &str = "louder than anything in the other recording; a contact where one force \
-                          at the flange explains it";
+                          at the flange explains it, touched where a force that changes with time \
+                          is more probable than none";
 
 /// "97 %"; never "100 %" for less than that.
 pub fn percent(share: f64) -> String {
