@@ -23,7 +23,6 @@ mod import;
 mod nuisance;
 mod on_recordings;
 mod plan;
-mod projection;
 mod score;
 mod seal;
 mod shapes;
