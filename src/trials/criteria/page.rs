@@ -65,16 +65,17 @@ fn largest(i: usize, base: &Row, rows: &[Row]) -> String {
 }
 
 fn most_moved(cases: usize, rows: &[Row]) -> String {
-    let most = rows.iter().max_by_key(|r| r.differs.len()).filter(|r| !r.differs.is_empty());
-    match most {
-        Some(row) => {
-            let ((criterion, value), n) = (said(row), row.differs.len());
-            format!(
-                "\nMost is changed by {criterion}, {value}: other causes in {n} of {cases} cases.\n"
-            )
-        }
-        None => "\nThe causes are the same in every case, whatever is moved.\n".into(),
+    let most = rows.iter().map(|r| r.differs.len()).max().unwrap_or(0);
+    if most == 0 {
+        return "\nThe causes are the same in every case, whatever is moved.\n".into();
     }
+    let named = |row: &Row| {
+        let (criterion, value) = said(row);
+        format!("{criterion} ({value})")
+    };
+    let all: Vec<_> = rows.iter().filter(|r| r.differs.len() == most).map(named).collect();
+    let all = all.join(", ");
+    format!("\nMost is changed by {all}: other causes in {most} of {cases} cases.\n")
 }
 
 /// Cases to look into.
@@ -122,7 +123,7 @@ mod tests {
             "| least_nats | 3 -> 2 | 1.000 (+0.250) | - | 1 |",
             "| least_nats | 3 -> 4 | 0.750 | - | 0 |",
             "| largest change |  | 0.250 | - | 1 |",
-            "Most is changed by least_nats, 3 -> 2: other causes in 1 of 4 cases.",
+            "Most is changed by least_nats (3 -> 2): other causes in 1 of 4 cases.",
             "| least_nats | 3 -> 2 | case-0003 |",
         ] {
             assert!(page.contains(line), "no {line} in {page}");
