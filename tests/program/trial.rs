@@ -124,7 +124,7 @@ fn answers_that_are_there_are_kept_and_others_made() {
 fn criteria_are_moved_one_by_one_and_their_answers_kept() {
     let folder = TempDir::new().unwrap();
     let at = |name: &str| text(&folder.path().join(name)).to_string();
-    let few = ["draw", "--cases", "1", "--only", "single,current_offset", "--duration", "10"];
+    let few = ["draw", "--cases", "1", "--only", "single,current_offset", "--duration", "8"];
     assert_eq!(trial(&[&few[..], &["--out", &at("cases")]].concat()).code, 0);
     let criteria = || {
         let files = ["--page", &at("page.md"), "--json", &at("c.json")];
