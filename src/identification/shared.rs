@@ -17,7 +17,7 @@ use super::{Found, ParameterEstimate, separable};
 use crate::kernels::axpy;
 use crate::regression::bounded;
 use crate::regression::bounds::Bounds;
-use crate::regression::qr::{Qr, project_out};
+use crate::regression::qr::{Qr, unexplained};
 
 /// Rounds of fitting joints and shared parameters in turn.
 const MOST_ROUNDS: usize = 30;
@@ -70,9 +70,7 @@ fn round(
         let weight = 1.0 / prepared.problem.direct_cost(&x).max(1e-12);
         let own = Qr::new(prepared.problem.sensitivity(&x));
         let append = |all: &mut Vec<f64>, values: &[f64]| {
-            let mut values = values.to_vec();
-            project_out(&own.q, &mut values);
-            all.extend(values.iter().map(|v| weight * v));
+            all.extend(unexplained(&own.q, values.to_vec()).iter().map(|v| weight * v));
         };
         for (all, column) in columns.iter_mut().zip(&arm.shared_columns[j]) {
             append(all, column);

@@ -71,6 +71,12 @@ pub fn project_out(orthonormal: &[Vec<f64>], column: &mut [f64]) -> Vec<f64> {
     h
 }
 
+/// What `orthonormal` columns do not explain of `column`.
+pub fn unexplained(orthonormal: &[Vec<f64>], mut column: Vec<f64>) -> Vec<f64> {
+    project_out(orthonormal, &mut column);
+    column
+}
+
 /// Solves the upper triangular R x = c in place; x_k = 0 where R_kk = 0.
 pub fn back_substitute(r: &DMatrix<f64>, c: &mut [f64]) {
     for k in (0..c.len()).rev() {

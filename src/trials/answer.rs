@@ -10,7 +10,7 @@ use super::TrialError;
 use super::baselines::{BaselineAnswer, baselines};
 use super::case::{CHECK, Case, FIT, TWIN};
 use super::seal::sha256;
-use crate::diagnosis::{Diagnosis, Settings, conditioning, diagnose};
+use crate::diagnosis::{Criteria, Diagnosis, Settings, conditioning, diagnose};
 use crate::recording::{Recording, read};
 use crate::signals::{Conditioning, Samples, condition};
 use crate::twin::Twin;
@@ -43,6 +43,11 @@ impl Answer {
             && answer.inputs == inputs(folder).ok()?;
         whole.then_some(answer)
     }
+
+    /// The same, if these criteria decided it.
+    pub fn kept_by(file: &Path, folder: &Path, criteria: &Criteria) -> Option<Self> {
+        Self::kept(file, folder).filter(|answer| answer.settings.criteria == *criteria)
+    }
 }
 
 /// Diagnoses the case in `folder`; nothing outside that folder is read. A diagnosis that fails is
@@ -51,24 +56,51 @@ impl Answer {
 /// # Errors
 /// If a file of the case cannot be read.
 pub fn answer(folder: &Path) -> Result<Answer, TrialError> {
-    let case = Case::open(folder)?;
-    let twin = Twin::load(&case.file(TWIN))?;
-    let recordings = [read(&case.file(FIT), None)?, read(&case.file(CHECK), None)?];
-    let conditioning = conditioning(&recordings[0], twin.robot.dof());
-    let samples = |r: &Recording| condition(r, &twin.drive, twin.robot.dof(), &conditioning);
-    let [fit, check]: [Samples; 2] = [samples(&recordings[0])?, samples(&recordings[1])?];
-    let diagnosis = diagnose(&twin, &fit, &check, &case.settings);
-    Ok(Answer {
-        schema: SCHEMA.into(),
-        armtwin: env!("CARGO_PKG_VERSION").into(),
-        inputs: inputs(folder)?,
-        baselines: baselines(&twin, &fit, &check, &case.settings),
-        failed: diagnosis.as_ref().err().map(ToString::to_string),
-        diagnosis: diagnosis.ok(),
-        case: case.name,
-        settings: case.settings,
-        conditioning,
-    })
+    let opened = Opened::new(folder)?;
+    Ok(opened.answer(opened.case.settings.criteria))
+}
+
+/// A case with all of its answer that does not depend on what decides.
+pub struct Opened {
+    case: Case,
+    inputs: BTreeMap<String, String>,
+    twin: Twin,
+    conditioning: Conditioning,
+    /// To fit, to check.
+    samples: [Samples; 2],
+    baselines: Vec<BaselineAnswer>,
+}
+
+impl Opened {
+    /// # Errors
+    /// If a file of the case cannot be read.
+    pub fn new(folder: &Path) -> Result<Self, TrialError> {
+        let case = Case::open(folder)?;
+        let twin = Twin::load(&case.file(TWIN))?;
+        let recordings = [read(&case.file(FIT), None)?, read(&case.file(CHECK), None)?];
+        let conditioning = conditioning(&recordings[0], twin.robot.dof());
+        let samples = |r: &Recording| condition(r, &twin.drive, twin.robot.dof(), &conditioning);
+        let samples = [samples(&recordings[0])?, samples(&recordings[1])?];
+        let baselines = baselines(&twin, &samples[0], &samples[1], &case.settings);
+        Ok(Self { inputs: inputs(folder)?, case, twin, conditioning, samples, baselines })
+    }
+
+    /// By other criteria than the case's own, maybe.
+    pub fn answer(&self, criteria: Criteria) -> Answer {
+        let settings = Settings { criteria, ..self.case.settings.clone() };
+        let diagnosis = diagnose(&self.twin, &self.samples[0], &self.samples[1], &settings);
+        Answer {
+            schema: SCHEMA.into(),
+            armtwin: env!("CARGO_PKG_VERSION").into(),
+            case: self.case.name.clone(),
+            inputs: self.inputs.clone(),
+            settings,
+            conditioning: self.conditioning.clone(),
+            failed: diagnosis.as_ref().err().map(ToString::to_string),
+            diagnosis: diagnosis.ok(),
+            baselines: self.baselines.clone(),
+        }
+    }
 }
 
 fn inputs(folder: &Path) -> Result<BTreeMap<String, String>, TrialError> {

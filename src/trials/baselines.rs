@@ -8,9 +8,10 @@
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::projection::{add_to, dot, without};
 use crate::diagnosis::{Named, Settings};
 use crate::effects::{CATALOGUE, Effect, Motion, Role, Scope, Seen};
+use crate::regression::qr::{Qr, unexplained};
+use crate::regression::{Equations, Solved};
 use crate::signals::Samples;
 use crate::twin::Twin;
 
@@ -97,15 +98,14 @@ struct Residual<'a> {
     rows: Vec<Vec<usize>>,
     /// Orthonormal columns of the twin's open parameters, per joint.
     open: Vec<Vec<Vec<f64>>>,
-    left: Vec<Vec<f64>>,
+    left: Vec<DVector<f64>>,
     scatter: Vec<f64>,
 }
 
-/// Normal equations of a candidate at one joint: G = C^T C, b = C^T left.
+/// A candidate's columns against what is left at one joint.
 struct AtJoint {
     joint: usize,
-    g: DMatrix<f64>,
-    b: DVector<f64>,
+    equations: Equations,
 }
 
 impl<'a> Residual<'a> {
@@ -117,18 +117,14 @@ impl<'a> Residual<'a> {
             let rows: Vec<usize> =
                 samples.rows(joint).samples.into_iter().step_by(STRIDE).collect();
             let take = |x: &[f64]| rows.iter().map(|&k| x[k]).collect::<Vec<f64>>();
-            let mut open: Vec<Vec<f64>> = Vec::new();
-            for effect in twin.open().filter(|e| e.about().scope == Scope::Joint) {
-                let typical = typical(effect);
-                for column in effect.columns(&motion, joint, &typical) {
-                    add_to(&mut open, take(&column));
-                }
-            }
+            let alone = twin.open().filter(|e| e.about().scope == Scope::Joint);
+            let columns = alone.flat_map(|e| e.columns(&motion, joint, &typical(e)));
+            let open = Qr::new(columns.map(|column| take(&column)).collect()).q;
             let difference = samples.torque.joint(joint).iter().zip(known.joint(joint));
             let difference: Vec<f64> = difference.map(|(a, b)| a - b).collect();
-            let left = without(&open, take(&difference));
-            let scatter = (dot(&left, &left) / left.len().max(1) as f64).sqrt().max(1e-12);
-            this.left.push(left.iter().map(|x| x / scatter).collect());
+            let left = DVector::from_vec(unexplained(&open, take(&difference)));
+            let scatter = (left.norm_squared() / left.len().max(1) as f64).sqrt().max(1e-12);
+            this.left.push(left / scatter);
             this.rows.push(rows);
             this.open.push(open);
             this.scatter.push(scatter);
@@ -155,19 +151,15 @@ impl<'a> Residual<'a> {
     fn at(&self, joint: usize, columns: &[Vec<f64>]) -> AtJoint {
         let scaled = |column: &Vec<f64>| {
             let taken = self.rows[joint].iter().map(|&k| column[k] / self.scatter[joint]);
-            without(&self.open[joint], taken.collect())
+            unexplained(&self.open[joint], taken.collect())
         };
-        let columns: Vec<Vec<f64>> = columns.iter().map(scaled).collect();
-        let n = columns.len();
-        AtJoint {
-            joint,
-            g: DMatrix::from_fn(n, n, |i, k| dot(&columns[i], &columns[k])),
-            b: DVector::from_fn(n, |i, _| dot(&columns[i], &self.left[joint])),
-        }
+        let (rows, all) = (self.rows[joint].len(), columns.iter().flat_map(scaled));
+        let columns = DMatrix::from_iterator(rows, columns.len(), all);
+        AtJoint { joint, equations: Equations::new(columns.as_view(), &self.left[joint]) }
     }
 
     fn squares(&self, joint: usize) -> f64 {
-        dot(&self.left[joint], &self.left[joint])
+        self.left[joint].norm_squared()
     }
 }
 
@@ -178,17 +170,13 @@ fn scores(
     on_fit: &[AtJoint],
     on_check: &[AtJoint],
 ) -> Option<[f64; 3]> {
-    let g = on_fit.iter().map(|a| a.g.clone()).reduce(|a, b| a + b)?;
-    let b = on_fit.iter().map(|a| a.b.clone()).reduce(|a, b| a + b)?;
-    let inverse = g.clone().cholesky()?.inverse();
-    let theta = &inverse * &b;
-    let left = |a: &AtJoint, before: f64| {
-        before - 2.0 * theta.dot(&a.b) + (theta.transpose() * &a.g * &theta)[0]
-    };
+    let Solved { x: theta, inverse } =
+        Equations::sum(on_fit.iter().map(|a| &a.equations))?.solve()?;
     let (mut rows, mut after, mut bic) = (0.0, 0.0, 0.0);
     for a in on_fit {
         let n = fit.rows[a.joint].len() as f64;
-        let (before, now) = (fit.squares(a.joint), left(a, fit.squares(a.joint)));
+        let before = fit.squares(a.joint);
+        let now = before - a.equations.taken(&theta);
         rows += n;
         after += now;
         bic -= n * (now / before).max(1e-12).ln();
@@ -199,8 +187,7 @@ fn scores(
         .map(|k| theta[k].abs() / (variance * inverse[(k, k)]).sqrt())
         .fold(0.0, f64::max);
     let all: f64 = (0..check.left.len()).map(|j| check.squares(j)).sum();
-    let gain: f64 =
-        on_check.iter().map(|a| check.squares(a.joint) - left(a, check.squares(a.joint))).sum();
+    let gain: f64 = on_check.iter().map(|a| a.equations.taken(&theta)).sum();
     let finite = [z, bic, gain / all.max(1e-12)];
     finite.iter().all(|s| s.is_finite()).then_some(finite)
 }

@@ -17,6 +17,10 @@ pub enum TrialError {
     Broken { file: PathBuf, found: String, sealed: String },
     #[error("{0}")]
     Usage(String),
+    #[error("stopped; the answers made so far are kept, the same command goes on from there")]
+    Stopped,
+    #[error("criteria: {0}")]
+    Criteria(#[from] serde_json::Error),
     #[error(transparent)]
     Recording(#[from] crate::recording::RecordingError),
     #[error(transparent)]

@@ -5,7 +5,7 @@
 //! holds what the answerer may see: two recordings, the nominal twin, settings. What is hidden lies
 //! in `sealed/` beside the case folders, and `seals.json` publishes the hash of every file there:
 //! [`score()`] refuses a truth that does not match. [`answer()`] is given a case folder and nothing
-//! else.
+//! else. [`CriteriaTrial`] answers with each criterion moved: how much does it matter?
 //!
 //! What draws does not share its mathematics with what answers: rapier's implicit steps and its
 //! constraint friction at reversals against inverse dynamics and sliding laws.
@@ -14,6 +14,7 @@ mod answer;
 mod arm;
 mod baselines;
 mod case;
+mod criteria;
 mod draw;
 mod error;
 mod foreign;
@@ -22,7 +23,6 @@ mod import;
 mod nuisance;
 mod on_recordings;
 mod plan;
-mod projection;
 mod score;
 mod seal;
 mod shapes;
@@ -33,10 +33,13 @@ mod truth;
 pub use answer::{Answer, answer};
 pub use baselines::{BaselineAnswer, Method};
 pub use case::{Case, case_folders};
+pub use criteria::{CriteriaTrial, Moved, Row, Work, criteria_page};
 pub use draw::{Draw, draw};
 pub use error::TrialError;
 pub use import::{Names, import};
 pub use on_recordings::{DrawOn, Sources, draw_on};
-pub use score::{Chapter, Goal, Judged, Printed, Share, goals, judge, page, score};
+pub use score::{
+    Chapter, Figure, Goal, Judged, Printed, Share, figures, goals, judge, page, score,
+};
 pub use seal::{Seals, sha256, write_json};
 pub use truth::{Hidden, Kind, Strength, TrueValue, Truth};

@@ -2,6 +2,7 @@
 
 use super::truth::Strength;
 use crate::effects::{ArmState, Channels, JointLoad, Motion, Role, Scope, Seen};
+use crate::regression::qr::{Qr, unexplained};
 use crate::series::JointSeries;
 use crate::simulation::Injection;
 
@@ -118,16 +119,8 @@ pub fn beyond_friction(x: &[f64], qd: &[f64]) -> f64 {
 
 /// `x` less its least-squares fit by sign(qd) and qd.
 pub fn without_friction(x: &[f64], qd: &[f64]) -> Vec<f64> {
-    let sum = |f: &dyn Fn(f64, f64) -> f64| x.iter().zip(qd).map(|(x, v)| f(*x, *v)).sum::<f64>();
-    let (ss, sv, vv) = (x.len() as f64, sum(&|_, v| v.abs()), sum(&|_, v| v * v));
-    let (xs, xv) = (sum(&|x, v| x * v.signum()), sum(&|x, v| x * v));
-    let determinant = ss * vv - sv * sv;
-    if determinant <= 1e-12 * ss * vv {
-        return x.to_vec();
-    }
-    let dry = (vv * xs - sv * xv) / determinant;
-    let viscous = (ss * xv - sv * xs) / determinant;
-    x.iter().zip(qd).map(|(x, v)| x - dry * v.signum() - viscous * v).collect()
+    let dry = qd.iter().map(|v| v.signum()).collect();
+    unexplained(&Qr::new(vec![dry, qd.to_vec()]).q, x.to_vec())
 }
 
 pub fn rms(x: &[f64]) -> f64 {

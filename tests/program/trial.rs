@@ -121,6 +121,51 @@ fn answers_that_are_there_are_kept_and_others_made() {
 }
 
 #[test]
+fn criteria_are_moved_one_by_one_and_their_answers_kept() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| text(&folder.path().join(name)).to_string();
+    let few = ["draw", "--cases", "1", "--only", "single,current_offset", "--duration", "8"];
+    assert_eq!(trial(&[&few[..], &["--out", &at("cases")]].concat()).code, 0);
+    let criteria = || {
+        let files = ["--page", &at("page.md"), "--json", &at("c.json")];
+        let run = trial(&[&["criteria", &at("cases"), "--out", &at("out")], &files[..]].concat());
+        let read = |name: &str| fs::read_to_string(at(name)).unwrap_or_default();
+        (run, read("page.md"), serde_json::from_str(&read("c.json")).unwrap_or_default())
+    };
+    let (run, page, rows): (_, _, serde_json::Value) = criteria();
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    answer(&folder.path().join("cases"), &folder.path().join("plain"));
+    let plain = files(&folder.path().join("plain"));
+    assert!(plain == files(&folder.path().join("out/base")), "not what `trial answer` says");
+    let moved = rows["rows"].as_array().unwrap();
+    assert_eq!(rows["answers"], moved.len());
+    for (row, direction) in moved[1..].iter().zip(["down", "up"].iter().cycle()) {
+        let (criterion, to) = (row["moved"]["criterion"].as_str().unwrap(), &row["moved"]["to"]);
+        let file = at(&format!("out/{criterion}-{direction}/case-0000.json"));
+        let told: serde_json::Value =
+            serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap();
+        let used = &told["diagnosis"]["criteria"][criterion];
+        assert_eq!(used.as_f64(), to.as_f64(), "{criterion}");
+        assert!(page.contains(&format!("| {criterion} | ")), "no {criterion} in {page}");
+    }
+    // One is lost, one is by other criteria: these two are made again.
+    fs::remove_file(at("out/base/case-0000.json")).unwrap();
+    let other = at("out/least_nats-up/case-0000.json");
+    fs::copy(at("out/least_nats-down/case-0000.json"), &other).unwrap();
+    let (run, again, resumed) = criteria();
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_eq!(resumed["kept"], moved.len() - 2);
+    assert!(again == page && resumed["rows"] == rows["rows"], "answers do not repeat");
+
+    fs::remove_file(at("page.md")).unwrap();
+    let sealed = folder.path().join("cases/sealed/case-0000.json");
+    fs::write(&sealed, fs::read_to_string(&sealed).unwrap() + " ").unwrap();
+    let (run, page, _) = criteria();
+    assert!(run.code == 1 && run.stderr.contains("the seal is broken"), "{}", run.stderr);
+    assert!(page.is_empty());
+}
+
+#[test]
 fn cases_made_elsewhere_are_taken_and_unknown_effects_refused() {
     let folder = TempDir::new().unwrap();
     let (own, from) = (folder.path().join("own"), folder.path().join("from"));
@@ -193,4 +238,10 @@ fn wrong_usage_is_refused() {
     let run = trial(&["answer", text(&elsewhere), "--out", text(&out)]);
     assert!(run.code == 1 && run.stderr.contains("--from"), "{}", run.stderr);
     assert_eq!(trial(&["score", "one"]).code, 2);
+    let out = folder.path().join("criteria");
+    let refused = ["criteria", text(&elsewhere), "--out", text(&out)];
+    let run = trial(&refused);
+    assert!(run.code == 1 && run.stderr.contains("seals.json"), "{}", run.stderr);
+    assert_eq!(trial(&[&refused[..], &["--limit", "0"]].concat()).code, 2);
+    assert!(!out.exists(), "a refused command left something behind");
 }

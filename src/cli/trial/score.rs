@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 
+use super::named;
 use crate::cli::save;
 use crate::trials::{Chapter, Seals, goals, page, score};
 
@@ -33,8 +34,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     for pair in args.folders.chunks(2) {
         let (cases, answers) = (&pair[0], &pair[1]);
         let made = Seals::load(cases)?.made;
-        let title = cases.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        chapters.push(Chapter { title, made, cases: score(cases, answers)? });
+        chapters.push(Chapter { title: named(cases), made, cases: score(cases, answers)? });
     }
     if let Some(path) = &args.json {
         let trials: Vec<_> = chapters
@@ -59,8 +59,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 
 /// As it would be typed, folders by their names.
 fn command(args: &Args) -> String {
-    let name = |p: &PathBuf| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let folders: Vec<String> = args.folders.iter().map(name).collect();
-    let out = args.out.as_ref().map_or(String::new(), |p| format!(" --out {}", name(p)));
+    let folders: Vec<String> = args.folders.iter().map(|p| named(p)).collect();
+    let out = args.out.as_ref().map_or(String::new(), |p| format!(" --out {}", named(p)));
     format!("armtwin trial score {}{out}", folders.join(" "))
 }

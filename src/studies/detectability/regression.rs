@@ -1,15 +1,14 @@
 //! Weighted least squares over all joints, with and without an effect.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 
 use crate::effects::{Mechanism, Motion, Role, Scope, Seen};
+use crate::regression::Equations;
 use crate::series::JointSeries;
 use crate::signals::{Samples, SignalError};
 use crate::simulation::Injection;
 use crate::twin::Twin;
 
-/// Directions of the scaled columns weaker than this are not determined.
-const RANK: f64 = 1e-10;
 /// Share of an effect that counts as none of it.
 const FADED: f64 = 1e-4;
 
@@ -218,27 +217,7 @@ pub(super) fn compare(fit: &Side, check: &Side) -> Trial {
 impl Side {
     /// Least squares over the first `count` columns; undetermined directions stay at zero.
     fn solve(&self, count: usize, y: &DVector<f64>) -> DVector<f64> {
-        let a = self.columns.columns(0, count);
-        let size = |norm: f64| if norm > 0.0 { norm } else { 1.0 };
-        let scale: Vec<f64> = a.column_iter().map(|c| size(c.norm())).collect();
-        let mut gram = a.tr_mul(&a);
-        let mut right = a.tr_mul(y);
-        for i in 0..count {
-            right[i] /= scale[i];
-            for k in 0..count {
-                gram[(i, k)] /= scale[i] * scale[k];
-            }
-        }
-        let eigen = SymmetricEigen::new(gram);
-        let largest = eigen.eigenvalues.max();
-        let mut x = DVector::zeros(count);
-        for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-            if *value > RANK * largest {
-                x += vector * (vector.dot(&right) / value);
-            }
-        }
-        x.iter_mut().zip(scale).for_each(|(x, s)| *x /= s);
-        x
+        Equations::new(self.columns.columns(0, count), y).solve_determined()
     }
 
     /// Chi-square per sample that `x` leaves of `y`.

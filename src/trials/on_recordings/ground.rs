@@ -4,11 +4,11 @@ use std::path::Path;
 
 use crate::effects::{Effect, Motion, Role, Scope};
 use crate::recording::Recording;
+use crate::regression::qr::{Qr, unexplained};
 use crate::robot::Robot;
 use crate::series::JointSeries;
 use crate::signals::{Conditioning, LowPass, Rows, Samples, condition};
 use crate::trials::TrialError;
-use crate::trials::projection::{add_to, without};
 use crate::trials::strength::rms;
 use crate::twin::Twin;
 
@@ -105,7 +105,7 @@ impl Ground {
 
     fn open_columns(&self, twin: &Twin, joint: usize) -> Vec<Vec<f64>> {
         let motion = Motion { known: None, ..self.motion() };
-        let mut open = Vec::new();
+        let mut open: Vec<Vec<f64>> = Vec::new();
         for effect in twin.open() {
             let all: Vec<Vec<f64>> = match effect.about().scope {
                 Scope::Link => (0..self.dof())
@@ -114,15 +114,15 @@ impl Ground {
                     .collect(),
                 _ => effect.columns(&motion, joint, &values(effect, twin, joint)),
             };
-            all.iter().for_each(|column| add_to(&mut open, self.taken(joint, column)));
+            open.extend(all.iter().map(|column| self.taken(joint, column)));
         }
-        open
+        Qr::new(open).q
     }
 
     /// Root mean square of what the twin's open effects cannot take up of a torque, N.m per joint;
     /// 0 for joints that do not move.
     pub fn beyond_twin(&self, torque: &JointSeries) -> Vec<f64> {
-        self.each_moving(|j| rms(&without(&self.open[j], self.taken(j, torque.joint(j)))))
+        self.each_moving(|j| rms(&unexplained(&self.open[j], self.taken(j, torque.joint(j)))))
     }
 
     /// Root mean square of a torque while sliding, N.m per joint.

@@ -15,7 +15,7 @@ mod tests;
 pub use judged::{Judged, JudgedParameter, judge};
 pub use page::{Chapter, page};
 pub use printed::Printed;
-pub use rows::{Goal, goals};
+pub use rows::{Figure, Goal, figures, goals};
 pub use share::Share;
 
 use std::fs;
@@ -33,6 +33,18 @@ use crate::twin::Twin;
 /// # Errors
 /// If a seal is broken, or a case was not answered or was answered from other files.
 pub fn score(dir: &Path, answers: &Path) -> Result<Vec<Judged>, TrialError> {
+    score_cases(dir, &case_folders(dir)?, answers)
+}
+
+/// The same of some of its cases.
+///
+/// # Errors
+/// As [`score()`].
+pub fn score_cases(
+    dir: &Path,
+    folders: &[PathBuf],
+    answers: &Path,
+) -> Result<Vec<Judged>, TrialError> {
     let seals = Seals::load(dir)?;
     let one = |folder: &PathBuf| {
         let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -47,7 +59,7 @@ pub fn score(dir: &Path, answers: &Path) -> Result<Vec<Judged>, TrialError> {
         }
         Ok::<_, TrialError>(judged)
     };
-    let mut all: Vec<Judged> = case_folders(dir)?.par_iter().map(one).collect::<Result<_, _>>()?;
+    let mut all: Vec<Judged> = folders.par_iter().map(one).collect::<Result<_, _>>()?;
     on_recordings::hold_against_base(&mut all);
     Ok(all)
 }

@@ -24,6 +24,22 @@ pub struct Goal {
     pub met: Option<bool>,
 }
 
+/// A figure as a number, to compare answers to the same cases by.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figure {
+    pub name: &'static str,
+    /// `None` where there was nothing to measure.
+    pub value: Option<f64>,
+    /// Cases it is of.
+    pub cases: usize,
+}
+
+impl Figure {
+    pub fn share(name: &'static str, share: Share) -> Self {
+        Self { name, value: share.value(), cases: share.of }
+    }
+}
+
 /// Cases of one kind.
 pub fn of(all: &[Judged], kind: Kind) -> Vec<&Judged> {
     all.iter().filter(|j| j.kind == kind).collect()
@@ -32,6 +48,21 @@ pub fn of(all: &[Judged], kind: Kind) -> Vec<&Judged> {
 /// Single effects at a strength of 1 and above.
 pub fn plain(all: &[Judged]) -> Vec<&Judged> {
     of(all, Kind::Single).into_iter().filter(|j| strong(j)).collect()
+}
+
+/// Effects of the catalogue.
+fn catalogue(all: &[Judged]) -> Vec<&Judged> {
+    all.iter().filter(|j| matches!(j.kind, Kind::Single | Kind::Pair)).collect()
+}
+
+/// Effects that the answerer has no name for, at a strength of 1 and above.
+fn outside(all: &[Judged]) -> Vec<&Judged> {
+    let outside = |j: &&Judged| matches!(j.kind, Kind::Withheld | Kind::Foreign);
+    all.iter().filter(outside).filter(|j| strong(j)).collect()
+}
+
+fn count(cases: &[&Judged], hit: fn(&Judged) -> bool) -> Share {
+    Share::count(cases.iter().copied(), hit)
 }
 
 fn strong(judged: &Judged) -> bool {
@@ -79,15 +110,27 @@ pub fn goals(all: &[Judged]) -> Vec<Goal> {
     }
 }
 
+/// The few figures that say most.
+pub fn figures(all: &[Judged]) -> Vec<Figure> {
+    if on_recordings::are(all) {
+        return on_recordings::figures(all);
+    }
+    let (plain, clean, outside) = (plain(all), of(all, Kind::Clean), outside(all));
+    let diagnosed = all.iter().filter(|j| j.verdict.is_some()).count();
+    vec![
+        Figure::share("top-1, set", count(&plain, |j| j.top1_set)),
+        Figure::share("top-1 exactly", count(&plain, |j| j.top1)),
+        Figure::share("wrong name", count(&catalogue(all), |j| j.wrong)),
+        Figure::share("false alarms", count(&clean, |j| !j.causes.is_empty())),
+        Figure::share("unknown or a stand-in", count(&outside, |j| j.abstained || j.stands_in())),
+        Figure { name: "Brier score", value: brier(all), cases: diagnosed },
+    ]
+}
+
 fn of_simulated(all: &[Judged]) -> Vec<Goal> {
     let (plain, clean) = (plain(all), of(all, Kind::Clean));
-    let catalogue: Vec<&Judged> =
-        all.iter().filter(|j| matches!(j.kind, Kind::Single | Kind::Pair)).collect();
-    let outside = |j: &&Judged| matches!(j.kind, Kind::Withheld | Kind::Foreign);
-    let outside: Vec<&Judged> = all.iter().filter(outside).filter(|j| strong(j)).collect();
+    let (catalogue, outside) = (catalogue(all), outside(all));
     let pairs: Vec<&Judged> = of(all, Kind::Pair).into_iter().filter(|j| strong(j)).collect();
-    let count =
-        |cases: &[&Judged], hit: fn(&Judged) -> bool| Share::count(cases.iter().copied(), hit);
     let at_least = |figure, share: Share, least: f64, goal| Goal {
         figure,
         found: share.to_string(),

@@ -1,6 +1,6 @@
 //! The figures of cases on somebody's own recordings, held against their goals.
 
-use super::super::rows::Goal;
+use super::super::rows::{Figure, Goal};
 use super::super::{Judged, Share};
 use super::{agreement, found};
 use crate::diagnosis::Verdict;
@@ -16,6 +16,20 @@ const NAMED: [(f64, f64, &str, &str); 4] = [
 
 pub fn explained(judged: &Judged) -> bool {
     judged.verdict == Some(Verdict::Explained)
+}
+
+/// The few that say most.
+pub fn figures(all: &[Judged]) -> Vec<Figure> {
+    let asked = found::asked(all);
+    let of = |kind: Kind| all.iter().filter(move |j| j.kind == kind);
+    let strays = |j: &Judged| !j.strays.is_empty();
+    let foreign = || of(Kind::GraftedForeign);
+    vec![
+        Figure::share("named", Share::count(asked, found::named)),
+        Figure::share("strays", Share::count(of(Kind::Grafted), strays)),
+        Figure::share("foreign, another name", Share::count(foreign(), strays)),
+        Figure::share("foreign called explained", Share::count(foreign(), explained)),
+    ]
 }
 
 pub fn goals(all: &[Judged]) -> Vec<Goal> {

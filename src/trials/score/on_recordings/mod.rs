@@ -9,7 +9,7 @@ mod page;
 mod tests;
 
 pub use agreement::agreement;
-pub use figures::goals;
+pub use figures::{figures, goals};
 pub use page::parts;
 
 use std::collections::HashMap;
