@@ -28,8 +28,10 @@ pub struct Data<'a> {
     pub shares: Vec<f64>,
     /// How well the scale of torque is known beside that of the links' masses, relative.
     pub scale_error: f64,
-    /// Columns that a search comes back to.
+    /// Columns that a search comes back to, as no sensor shows them.
     kept: Mutex<HashMap<String, Arc<Vec<Raw>>>>,
+    /// The same as the sensors of this name show them: those of the last that were asked for.
+    sensed: Mutex<(String, HashMap<String, Arc<Vec<Raw>>>)>,
 }
 
 impl<'a> Data<'a> {
@@ -54,8 +56,8 @@ impl<'a> Data<'a> {
         let features = Arc::new((0..parts[0].joints()).map(|_| none()).collect());
         let rated = (0..parts[0].joints()).map(|j| rated(&parts, j)).collect();
         let shares = vec![1.0; parts[0].joints()];
-        let (scale_error, kept) = (0.0, Mutex::default());
-        Self { twin, parts, features, rated, shares, scale_error, kept }
+        let (scale_error, kept, sensed) = (0.0, Mutex::default(), Mutex::default());
+        Self { twin, parts, features, rated, shares, scale_error, kept, sensed }
     }
 
     pub fn joints(&self) -> usize {
@@ -122,10 +124,36 @@ impl<'a> Data<'a> {
         if let Some(columns) = self.kept.lock().ok().and_then(|kept| kept.get(key).cloned()) {
             return columns;
         }
-        let part = |p: usize| self.parts[p].kept(key, || work_out(p)).to_vec();
-        let columns = Arc::new(self.fresh(part));
+        let columns = Arc::new(self.fresh(work_out));
         if let Ok(mut kept) = self.kept.lock() {
             kept.insert(key.into(), columns.clone());
+        }
+        columns
+    }
+
+    /// The same as `sensors` show them, as long as nobody asks for others: each value of a delay that
+    /// is searched shows all columns anew.
+    pub fn kept_for(
+        &self,
+        sensors: &str,
+        key: &str,
+        work_out: impl Fn(usize) -> Vec<Blocks>,
+    ) -> Arc<Vec<Raw>> {
+        if sensors.is_empty() {
+            return self.kept(key, work_out);
+        }
+        let known = |kept: &(String, HashMap<String, Arc<Vec<Raw>>>)| {
+            (kept.0 == sensors).then(|| kept.1.get(key).cloned()).flatten()
+        };
+        if let Some(columns) = self.sensed.lock().ok().and_then(|kept| known(&kept)) {
+            return columns;
+        }
+        let columns = Arc::new(self.fresh(work_out));
+        if let Ok(mut kept) = self.sensed.lock() {
+            if kept.0 != sensors {
+                *kept = (sensors.into(), HashMap::new());
+            }
+            kept.1.insert(key.into(), columns.clone());
         }
         columns
     }

@@ -31,6 +31,9 @@ const SIMULTANEOUS: f64 = 0.125;
 /// large-scale kernel machines", NIPS 2007), and the standard deviations over which it bends.
 const POSTURE_FEATURES: usize = 100;
 const POSTURE_LENGTH: f64 = 2.5;
+/// The features are constant over so long, s: they are smooth, and a low-passed recording has no more
+/// rows.
+const CONSTANT_S: f64 = 0.05;
 /// Slower than this is not told from the motion, which repeats within seconds, Hz.
 const SLOW_HZ: f64 = 0.05;
 
@@ -107,8 +110,21 @@ impl<'a> Discrepancy<'a> {
             group.extend(vec![g; made.len()]);
             columns.append(&mut made);
         }
-        let features = Features::new(columns, group, GROUPS.len());
+        let features = Features::over_runs(&columns, group, GROUPS.len(), self.runs(joint));
         largest.into_iter().fold(features, |features, (g, most)| features.bounded(g, most))
+    }
+
+    /// Runs of a joint's rows over which the features are constant: where each begins, and the end.
+    fn runs(&self, joint: usize) -> Vec<usize> {
+        let cell = |p: &Observed<'_>, k: usize| (k as f64 * p.samples.dt / CONSTANT_S) as usize;
+        let all = self
+            .parts
+            .iter()
+            .enumerate()
+            .flat_map(|(i, p)| p.rows[joint].iter().map(move |k| (i, cell(p, *k))));
+        let cells: Vec<(usize, usize)> = all.collect();
+        let begins = |i: &usize| *i == 0 || cells[*i] != cells[*i - 1];
+        (0..cells.len()).filter(begins).chain([cells.len()]).collect()
     }
 
     fn series(&self, group: &str, part: usize, joint: usize) -> Vec<Series> {

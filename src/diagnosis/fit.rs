@@ -140,7 +140,7 @@ impl<'a> Fit<'a> {
             return Vec::new();
         }
         let taken = self.system.residual.taken(j);
-        let mut sum = features.sum(&metric.coefficients(taken, features.columns.len()), None);
+        let mut sum = features.sum(&metric.coefficients(taken, features.count()), None);
         let root = self.data.shares[j].sqrt();
         sum.iter_mut().for_each(|d| *d /= root);
         sum
@@ -164,8 +164,8 @@ impl<'a> Fit<'a> {
         if follows(candidate) {
             return Arc::new(self.raw(candidate, nonlinear));
         }
-        let key = key(&self.model, candidate, nonlinear) + &of_sensors(&self.model);
-        self.data.kept(&key, |p| self.blocks(p, candidate, nonlinear))
+        let (key, sensors) = (key(&self.model, candidate, nonlinear), of_sensors(&self.model));
+        self.data.kept_for(&sensors, &key, |p| self.blocks(p, candidate, nonlinear))
     }
 
     /// The same in the metric of this fit.

@@ -153,7 +153,7 @@ pub fn refine(fit: &Fit<'_>, start: &Trial) -> Trial {
     let searched = start.searched();
     let mut best = settle(fit, start.clone());
     for _ in 0..ROUNDS {
-        let before = best.gain;
+        let (before, began) = (best.gain, best.clone());
         for &i in searched.iter().filter(|&&i| !settled(start, i)) {
             best = along(fit, best, i);
         }
@@ -166,11 +166,19 @@ pub fn refine(fit: &Fit<'_>, start: &Trial) -> Trial {
                 best = along(fit, best, i);
             }
         }
-        if best.gain - before < WORTH_ANOTHER * before || searched.len() < 2 {
+        let goes_on = searched.len() > 1 || searched.iter().any(|&i| is_at_end(&began, &best, i));
+        if best.gain - before < WORTH_ANOTHER * before || !goes_on {
             break;
         }
     }
     settle(fit, descend(fit, best))
+}
+
+/// Did nonlinear parameter `i` come to an end of where it was looked for? It may go on from there.
+fn is_at_end(began: &Trial, now: &Trial, i: usize) -> bool {
+    let ends = neighbours(began, i);
+    let near = 2.0 * TOLERANCE * (ends[1] - ends[0]);
+    ends.iter().any(|end| (now.nonlinear[i] - end).abs() < near)
 }
 
 /// Is reference `i` close to the value it refers to?

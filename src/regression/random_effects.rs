@@ -47,8 +47,10 @@ pub struct JointMetric {
 /// The features of one joint.
 #[derive(Debug)]
 pub struct Features {
-    /// D, one column per feature.
-    pub columns: Vec<Vec<f64>>,
+    /// D, one column per feature, a value for each run of rows.
+    columns: Vec<Vec<f64>>,
+    /// Where each run begins, and the end.
+    runs: Vec<usize>,
     /// Of each feature.
     pub group: Vec<usize>,
     pub groups: usize,
@@ -100,15 +102,39 @@ impl JointMetric {
 impl Features {
     /// `columns` all have one value per row; `group` says which group each belongs to.
     pub fn new(columns: Vec<Vec<f64>>, group: Vec<usize>, groups: usize) -> Self {
+        let rows = columns.first().map_or(0, Vec::len);
+        Self::over_runs(&columns, group, groups, (0..=rows).collect())
+    }
+
+    /// The same, each column constant over runs of rows at its mean: what is smooth needs no more.
+    /// `runs`: where each begins, and the end.
+    pub fn over_runs(
+        columns: &[Vec<f64>],
+        group: Vec<usize>,
+        groups: usize,
+        runs: Vec<usize>,
+    ) -> Self {
+        let mean = |rows: &[f64]| rows.iter().sum::<f64>() / rows.len().max(1) as f64;
+        let coarse = |c: &Vec<f64>| runs.windows(2).map(|run| mean(&c[run[0]..run[1]])).collect();
+        let columns: Vec<Vec<f64>> = columns.iter().map(coarse).collect();
         let m = columns.len();
-        let views: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let roots = || runs.windows(2).map(|run| ((run[1] - run[0]) as f64).sqrt());
+        let rooted = |c: &Vec<f64>| c.iter().zip(roots()).map(|(v, root)| v * root).collect();
+        let rooted: Vec<Vec<f64>> = columns.iter().map(rooted).collect();
+        let views: Vec<&[f64]> = rooted.iter().map(Vec::as_slice).collect();
         let mut gram = DMatrix::zeros(m, m);
         for i in 0..m {
-            for (k, v) in kernels::dots(&columns[i], &views[..=i]).into_iter().enumerate() {
+            for (k, v) in kernels::dots(&rooted[i], &views[..=i]).into_iter().enumerate() {
                 (gram[(i, k)], gram[(k, i)]) = (v, v);
             }
         }
-        Self { columns, group, groups, largest: vec![STEPS; groups], gram, known: Mutex::default() }
+        let (largest, known) = (vec![STEPS; groups], Mutex::default());
+        Self { columns, runs, group, groups, largest, gram, known }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.columns.len()
     }
 
     /// With group `g` no larger than `most` times the standard deviation of e.
@@ -127,6 +153,7 @@ impl Features {
         let column = |c: &Vec<f64>| c.iter().map(|v| v * factor).collect();
         Self {
             columns: self.columns.iter().map(column).collect(),
+            runs: self.runs.clone(),
             group: self.group.clone(),
             groups: self.groups,
             largest: self.largest.clone(),
@@ -135,8 +162,13 @@ impl Features {
         }
     }
 
-    /// D'x, from the rows where x is not zero.
+    /// D'x, from the runs where x is not zero.
     pub fn products(&self, x: &[f64]) -> Vec<f64> {
+        let of_run = |run: &[usize]| x[run[0]..run[1]].iter().sum::<f64>();
+        let x: Vec<f64> = match self.columns.is_empty() {
+            true => Vec::new(),
+            false => self.runs.windows(2).map(of_run).collect(),
+        };
         let Some(first) = x.iter().position(|v| *v != 0.0) else {
             return vec![0.0; self.columns.len()];
         };
@@ -147,14 +179,14 @@ impl Features {
 
     /// D w over the rows, of one group or of all.
     pub fn sum(&self, w: &[f64], group: Option<usize>) -> Vec<f64> {
-        let rows = self.columns.first().map_or(0, Vec::len);
-        let mut sum = vec![0.0; rows];
+        let mut sum = vec![0.0; self.runs.len().saturating_sub(1)];
         for ((column, w), g) in self.columns.iter().zip(w).zip(&self.group) {
             if *w != 0.0 && group.is_none_or(|wanted| wanted == *g) {
                 kernels::axpy(*w, column, &mut sum);
             }
         }
-        sum
+        let spread = |(run, d): (&[usize], &f64)| std::iter::repeat_n(*d, run[1] - run[0]);
+        self.runs.windows(2).zip(&sum).flat_map(spread).collect()
     }
 
     /// The metric for these sizes; worked out once.

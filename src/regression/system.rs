@@ -99,7 +99,7 @@ impl Normal {
         let raw = |i: usize| if i == y { &self.y } else { &self.columns[i] };
         let mut of_features: Vec<Vec<f64>> =
             own.iter().map(|&i| raw(i).products(j).to_vec()).collect();
-        let mut of_rest = vec![0.0; features.columns.len()];
+        let mut of_rest = vec![0.0; features.count()];
         for (i, f) in &rest {
             crate::kernels::axpy(*f, raw(*i).products(j), &mut of_rest);
         }
