@@ -43,7 +43,7 @@ impl Built {
                 false => observed.series(&key, series),
             };
             built.columns[i] = match is_kept(model, term.candidate) {
-                true => observed.kept(&key, || show(&built.series[i])),
+                true => observed.kept.get("", &key, || show(&built.series[i])),
                 false => Arc::new(show(&built.series[i])),
             };
             for (column, value) in built.series[i].iter().zip(&term.linear) {

@@ -1,10 +1,11 @@
 //! Which of what a search finds is called a cause.
 
-use super::candidate::Candidate;
+use super::candidate::{Candidate, Place};
+use super::criteria::Criteria;
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, Hypothesis, Standing};
 use super::judge::{Gain, Judge};
-use super::ranking::probability;
+use super::ranking::{is_equal, is_mine, probability};
 use super::search::Found;
 
 /// The model with the causes that are called causes, each among its rivals.
@@ -12,39 +13,58 @@ pub struct Called<'a> {
     pub fit: Fit<'a>,
     pub standings: Vec<Standing<'a>>,
     pub gains: Vec<Gain>,
+    /// What both recordings show together, and the fit recording alone does not.
+    pub unconfirmed: Vec<Candidate>,
 }
 
 /// Those that are more probable than not, gain on the check recording, and sit at no bound: what does not
-/// is left out, the weakest first, and the others are seen again without it.
-pub fn called<'a>(search: &Hypotheses<'a>, judge: &Judge<'_>, found: &Found<'a>) -> Called<'a> {
+/// is left out, the weakest first, and the others are seen again without it. `blind` is what a search of
+/// the fit recording alone finds: where the law is not exact, the check recording confirms only what it had
+/// no part in choosing.
+pub fn called<'a>(
+    search: &Hypotheses<'a>,
+    judge: &Judge<'_>,
+    found: &Found<'a>,
+    blind: &[Candidate],
+) -> Called<'a> {
     let mut fit = found.last.clone();
-    let mut rejected = Vec::new();
+    let (mut rejected, mut unconfirmed) = (Vec::new(), Vec::new());
     loop {
         // What costs least to see comes first.
         let count = fit.model.causes.len();
         let gains: Vec<Gain> = (0..count).map(|i| judge.gain(&fit, i)).collect();
         let least = |a: &usize, b: &usize| gains[*a].largest().total_cmp(&gains[*b].largest());
-        let agrees = |i: &usize| agrees(search, judge, &fit, *i, &gains[*i]);
+        let agrees = |i: &usize| judge.agrees(&gains[*i], fit.model.causes[*i].candidate);
         if let Some(i) = (0..count).filter(|i| !agrees(i)).min_by(least) {
             fit = search.without(&fit, i);
             continue;
         }
         let standings = search.standings(&fit);
-        match corrected(search, judge, &fit, &standings, &mut rejected) {
-            Some(next) => fit = next,
-            None => return Called { fit, standings, gains },
+        if let Some(next) = corrected(search, judge, &fit, &standings, &mut rejected) {
+            fit = next;
+            continue;
         }
+        let chosen = |i: &usize| is_chosen(&standings[*i], blind, &search.criteria);
+        let law =
+            |i: &usize| gains[*i].speaks_of_a_law(fit.model.causes[*i].candidate, &search.criteria);
+        let is_open = |i: &usize| law(i) && !chosen(i);
+        let Some(i) = (0..count).filter(is_open).min_by(least) else {
+            return Called { fit, standings, gains, unconfirmed };
+        };
+        unconfirmed.push(fit.model.causes[i].candidate);
+        fit = search.without(&fit, i);
     }
 }
 
-fn agrees(
-    search: &Hypotheses<'_>,
-    judge: &Judge<'_>,
-    fit: &Fit<'_>,
-    i: usize,
-    gain: &Gain,
-) -> bool {
-    judge.agrees(gain, fit.model.causes[i].candidate, &search.criteria)
+/// Is the cause, or what looks the same, among these? What acts in the whole arm is also there where it
+/// was found at a joint, and the other way round.
+fn is_chosen(standing: &Standing<'_>, blind: &[Candidate], criteria: &Criteria) -> bool {
+    let same = |h: &Hypothesis<'_>, c: &Candidate| {
+        let either = c.place == Place::Arm || h.candidate().place == Place::Arm;
+        c.name() == h.candidate().name() && (c.place == h.candidate().place || either)
+    };
+    let mine = |h: &&Hypothesis<'_>| is_mine(standing, h) || is_equal(standing, h, criteria);
+    standing.ranked.iter().filter(mine).any(|h| blind.iter().any(|c| same(h, c)))
 }
 
 /// Without the weakest that fails, or with the better one of two names; `None` where all stand. What is
@@ -81,7 +101,7 @@ fn corrected<'a>(
     standings.iter().find_map(|standing| {
         let better = next(standing, rejected, standing.cause().nats)?;
         let gain = |i: usize| judge.gain(&better, i);
-        let stand = |i| agrees(search, judge, &better, i, &gain(i));
+        let stand = |i: usize| judge.agrees(&gain(i), better.model.causes[i].candidate);
         let stand = (0..better.model.causes.len()).all(stand);
         rejected.extend(stand.then_some(standing.cause().candidate()));
         stand.then_some(better)

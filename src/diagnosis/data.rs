@@ -1,13 +1,13 @@
 //! The recordings of an arm that are searched together: columns over the rows of all of them, and
 //! the discrepancy beside them.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use super::Settings;
 use super::discrepancy::{Discrepancy, GROUPS};
+use super::kept::Kept;
 use super::observed::Observed;
 use crate::regression::random_effects::{Features, JointMetric, Metric, ln_likelihood};
 use crate::regression::{Blocks, Raw};
@@ -28,10 +28,9 @@ pub struct Data<'a> {
     pub shares: Vec<f64>,
     /// How well the scale of torque is known beside that of the links' masses, relative.
     pub scale_error: f64,
-    /// Columns that a search comes back to, as no sensor shows them.
-    kept: Mutex<HashMap<String, Arc<Vec<Raw>>>>,
-    /// The same as the sensors of this name show them: those of the last that were asked for.
-    sensed: Mutex<(String, HashMap<String, Arc<Vec<Raw>>>)>,
+    /// Columns that a search comes back to, as no sensor shows them, and as the last ones do.
+    kept: Kept<Vec<Raw>>,
+    sensed: Kept<Vec<Raw>>,
 }
 
 impl<'a> Data<'a> {
@@ -56,7 +55,7 @@ impl<'a> Data<'a> {
         let features = Arc::new((0..parts[0].joints()).map(|_| none()).collect());
         let rated = (0..parts[0].joints()).map(|j| rated(&parts, j)).collect();
         let shares = vec![1.0; parts[0].joints()];
-        let (scale_error, kept, sensed) = (0.0, Mutex::default(), Mutex::default());
+        let (scale_error, kept, sensed) = (0.0, Kept::default(), Kept::default());
         Self { twin, parts, features, rated, shares, scale_error, kept, sensed }
     }
 
@@ -108,7 +107,8 @@ impl<'a> Data<'a> {
     pub fn counted(self, shares: Vec<f64>) -> Self {
         let scaled = |(f, s): (&Features, &f64)| f.scaled(s.sqrt());
         let features = self.features.iter().zip(&shares).map(scaled).collect();
-        Self { features: Arc::new(features), shares, kept: Mutex::default(), ..self }
+        let (kept, sensed) = (Kept::default(), Kept::default());
+        Self { features: Arc::new(features), shares, kept, sensed, ..self }
     }
 
     /// Columns that `work_out` makes of every recording.
@@ -119,43 +119,16 @@ impl<'a> Data<'a> {
         (0..count).map(column).collect()
     }
 
-    /// Columns by all that they depend on, worked out once; `work_out` makes those of a recording.
-    pub fn kept(&self, key: &str, work_out: impl Fn(usize) -> Vec<Blocks>) -> Arc<Vec<Raw>> {
-        if let Some(columns) = self.kept.lock().ok().and_then(|kept| kept.get(key).cloned()) {
-            return columns;
-        }
-        let columns = Arc::new(self.fresh(work_out));
-        if let Ok(mut kept) = self.kept.lock() {
-            kept.insert(key.into(), columns.clone());
-        }
-        columns
-    }
-
-    /// The same as `sensors` show them, as long as nobody asks for others: each value of a delay that
-    /// is searched shows all columns anew.
-    pub fn kept_for(
+    /// Columns by all that they depend on, as `sensors` show them, worked out once; `work_out` makes
+    /// those of a recording.
+    pub fn kept(
         &self,
         sensors: &str,
         key: &str,
         work_out: impl Fn(usize) -> Vec<Blocks>,
     ) -> Arc<Vec<Raw>> {
-        if sensors.is_empty() {
-            return self.kept(key, work_out);
-        }
-        let known = |kept: &(String, HashMap<String, Arc<Vec<Raw>>>)| {
-            (kept.0 == sensors).then(|| kept.1.get(key).cloned()).flatten()
-        };
-        if let Some(columns) = self.sensed.lock().ok().and_then(|kept| known(&kept)) {
-            return columns;
-        }
-        let columns = Arc::new(self.fresh(work_out));
-        if let Ok(mut kept) = self.sensed.lock() {
-            if kept.0 != sensors {
-                *kept = (sensors.into(), HashMap::new());
-            }
-            kept.1.insert(key.into(), columns.clone());
-        }
-        columns
+        let kept = if sensors.is_empty() { &self.kept } else { &self.sensed };
+        kept.get(sensors, key, || self.fresh(work_out))
     }
 
     /// No discrepancy anywhere.

@@ -165,7 +165,7 @@ impl<'a> Fit<'a> {
             return Arc::new(self.raw(candidate, nonlinear));
         }
         let (key, sensors) = (key(&self.model, candidate, nonlinear), of_sensors(&self.model));
-        self.data.kept_for(&sensors, &key, |p| self.blocks(p, candidate, nonlinear))
+        self.data.kept(&sensors, &key, |p| self.blocks(p, candidate, nonlinear))
     }
 
     /// The same in the metric of this fit.
@@ -283,7 +283,7 @@ fn columns(data: &Data<'_>, model: &Model, built: &[Built]) -> Vec<Raw> {
     let of = |(i, term): (usize, &Term)| {
         let parts = |p: usize| built[p].columns[i].to_vec();
         match is_kept(model, term.candidate) {
-            true => data.kept(&of_term(model, term), parts).to_vec(),
+            true => data.kept("", &of_term(model, term), parts).to_vec(),
             false => data.fresh(parts),
         }
     };
@@ -294,7 +294,7 @@ fn columns(data: &Data<'_>, model: &Model, built: &[Built]) -> Vec<Raw> {
 fn recorded(data: &Data<'_>, model: &Model, built: &[Built]) -> Raw {
     match model.causes.iter().any(|t| t.candidate.senses()) {
         true => data.raw(built.iter().map(|b| b.y.clone()).collect()),
-        false => data.kept("recorded", |p| vec![built[p].y.clone()])[0].clone(),
+        false => data.kept("", "recorded", |p| vec![built[p].y.clone()])[0].clone(),
     }
 }
 

@@ -20,6 +20,7 @@ use crate::statistics::normal_quantile;
 pub struct Judge<'a> {
     pub fit: &'a Data<'a>,
     pub check: &'a Data<'a>,
+    pub criteria: Criteria,
 }
 
 /// What a cause takes off the check recording.
@@ -27,7 +28,7 @@ pub struct Judge<'a> {
 pub struct Gain {
     pub shrink: Checked,
     /// Share of what the others leave, at the joint where it is largest: of those where the model is
-    /// exact, and of those where a discrepancy is beside it.
+    /// exact, and of those where a discrepancy is beside it, or more than noise is left.
     pub where_exact: f64,
     pub where_inexact: f64,
     /// Does it act in the check recording at all?
@@ -35,6 +36,11 @@ pub struct Gain {
 }
 
 impl Gain {
+    /// Is it a law of the arm, seen where no law is exact? Not what acts in one recording alone.
+    pub fn speaks_of_a_law(&self, candidate: Candidate, criteria: &Criteria) -> bool {
+        candidate.recording.is_none() && self.acts && self.where_exact < criteria.least_gain
+    }
+
     pub fn largest(&self) -> f64 {
         self.where_exact.max(self.where_inexact)
     }
@@ -61,7 +67,10 @@ impl Judge<'_> {
             squares += b[j] / counted;
             off += (b[j] - a[j]) / counted;
             variance += 4.0 * d[j] / (weights[j] * counted.powi(2));
-            let of = &mut share[usize::from(!metric.joints[j].is_plain())];
+            // What leaves more than noise is not exact either, though nothing smooth is in it.
+            let noise = self.check.parts[0].sigma[j].powi(2);
+            let loud = a[j] / check.count(j) > self.criteria.above_noise * noise;
+            let of = &mut share[usize::from(loud || !metric.joints[j].is_plain())];
             *of = of.max(1.0 - a[j] / b[j].max(f64::MIN_POSITIVE));
         }
         let [where_exact, where_inexact] = share;
@@ -80,7 +89,8 @@ impl Judge<'_> {
     }
 
     /// Does it, surely and enough? What does not act in the check recording has nothing to show there.
-    pub fn agrees(&self, gain: &Gain, candidate: Candidate, criteria: &Criteria) -> bool {
+    pub fn agrees(&self, gain: &Gain, candidate: Candidate) -> bool {
+        let criteria = &self.criteria;
         let enough = gain.where_exact >= criteria.least_gain
             || gain.where_inexact >= criteria.least_gain_inexact;
         let enough = enough && gain.shrink.low > 0.0;
@@ -126,7 +136,8 @@ mod tests {
             [vec![&fit], vec![&check], vec![&fit, &check]].map(|parts| Data::new(parts, &settings));
         let offset = Candidate::new(find("current_offset").unwrap(), Place::Joint(joint));
         let model = Model::of(&twin).with(Term::new(offset, vec![]));
-        Judge { fit: &alone, check: &other }.gain(&Fit::plain(&both, model), 0)
+        let criteria = settings.criteria;
+        Judge { fit: &alone, check: &other, criteria }.gain(&Fit::plain(&both, model), 0)
     }
 
     #[test]

@@ -19,6 +19,7 @@ mod held_out;
 mod hypotheses;
 mod intervals;
 mod judge;
+mod kept;
 mod kinematics;
 mod link_masses;
 mod local_noise;
@@ -183,7 +184,7 @@ fn once(
         candidates: candidate::candidates(twin, &settings.without, recordings),
         criteria: settings.criteria,
     };
-    let judge = judge::Judge { fit: &alone, check: &other };
+    let judge = judge::Judge { fit: &alone, check: &other, criteria: settings.criteria };
     let both = search(&both, &[0, 1]);
     let alone = search(&alone, &[0]);
     let floor = floors[1].clone();

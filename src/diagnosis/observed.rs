@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use super::DiagnosisError;
 use super::floor::Floor;
+use super::kept::Kept;
 use crate::effects::{Motion, Rigid};
 use crate::regression::Blocks;
 use crate::robot::Robot;
@@ -29,8 +30,8 @@ pub struct Observed<'a> {
     pub torque: Blocks,
     /// What the twin knows, over all samples, before sensors, N.m.
     pub known: JointSeries,
-    /// Columns that a search comes back to.
-    kept: Mutex<HashMap<String, Arc<Vec<Blocks>>>>,
+    /// Columns that a search comes back to, at the rows and over all samples.
+    pub kept: Kept<Vec<Blocks>>,
     series: Mutex<HashMap<String, Arc<Series>>>,
     filter: Option<Decimator>,
     /// The arm with what it was last said to carry, and its torque along this motion.
@@ -70,7 +71,7 @@ impl<'a> Observed<'a> {
         }
         let known = twin.torque(&twin.motion(samples));
         let torque = Blocks::default();
-        let (kept, series, rigid) = (Mutex::default(), Mutex::default(), Mutex::default());
+        let (kept, series, rigid) = (Kept::default(), Mutex::default(), Mutex::default());
         let mut observed =
             Self { index, twin, samples, rows, sigma, torque, known, kept, series, filter, rigid };
         let torque = |j| observed.block(j, samples.torque.joint(j));
@@ -103,18 +104,6 @@ impl<'a> Observed<'a> {
         all.truncate(LOADS - 1);
         all.push_front((robot.clone(), rigid.clone()));
         rigid
-    }
-
-    /// Columns by all that they depend on, worked out once.
-    pub fn kept(&self, key: &str, work_out: impl FnOnce() -> Vec<Blocks>) -> Arc<Vec<Blocks>> {
-        if let Some(columns) = self.kept.lock().ok().and_then(|kept| kept.get(key).cloned()) {
-            return columns;
-        }
-        let columns = Arc::new(work_out());
-        if let Ok(mut kept) = self.kept.lock() {
-            kept.insert(key.into(), columns.clone());
-        }
-        columns
     }
 
     /// Series by all that they depend on, worked out once.

@@ -4,6 +4,7 @@ use super::candidate::Candidate;
 use super::criteria::Criteria;
 use super::fit::Fit;
 use super::hypotheses::{Hypothesis, Standing};
+use super::judge::Gain;
 use super::verdict::Findings;
 use super::{Cause, Named, Ranked};
 
@@ -14,6 +15,19 @@ pub fn named(candidate: Candidate) -> Named {
     Named { effect: candidate.name().into(), joints: candidate.place.joints() }
 }
 
+/// Of a law that is not exact: chosen by one recording and confirmed by another, it agreed in two of two,
+/// and would again with this probability (Jeffreys' prior: (2 + 1/2) / (2 + 1)). Where it would not,
+/// something unknown looks like it.
+const AGREES_AGAIN: f64 = 2.5 / 3.0;
+
+/// What a probability is worth where the law is, or is not, exact.
+pub fn as_a_law(probability: f64, candidate: Candidate, gain: &Gain, criteria: &Criteria) -> f64 {
+    match gain.speaks_of_a_law(candidate, criteria) {
+        true => AGREES_AGAIN * probability,
+        false => probability,
+    }
+}
+
 /// That a cause is there: it or what looks the same, beside its other rivals and none of them.
 pub fn probability(standing: &Standing<'_>, criteria: &Criteria) -> f64 {
     let shares = shares(standing, criteria);
@@ -22,13 +36,13 @@ pub fn probability(standing: &Standing<'_>, criteria: &Criteria) -> f64 {
     usable.zip(shares).filter(|(h, _)| set(h)).map(|(_, share)| share).sum()
 }
 
-fn is_mine(standing: &Standing<'_>, h: &Hypothesis<'_>) -> bool {
+pub fn is_mine(standing: &Standing<'_>, h: &Hypothesis<'_>) -> bool {
     h.candidate() == standing.cause().candidate()
 }
 
 /// Does it do as well, within the odds that tell nothing, by all that is known or by the data alone? A
 /// heavier last link is less expected than a payload, and looks the same.
-fn is_equal(standing: &Standing<'_>, h: &Hypothesis<'_>, criteria: &Criteria) -> bool {
+pub fn is_equal(standing: &Standing<'_>, h: &Hypothesis<'_>, criteria: &Criteria) -> bool {
     let mine = standing.cause();
     let trusted = |h: &Hypothesis<'_>| criteria.trusted(h.nats);
     let near = |mine: f64, other: f64| mine - other < criteria.equal_odds.ln();
@@ -85,7 +99,14 @@ pub fn ranking(findings: &Findings<'_>) -> Vec<Ranked> {
     let unknown = of_discrepancy(rest);
     let [none, unknown] = if unknown > 0.0 { [-unknown, 0.0] } else { [0.0, unknown] };
     let nats: Vec<f64> = rows.iter().map(|r| r.1).chain([none, unknown]).collect();
-    let shares = criteria.probabilities(&nats);
+    let mut shares = criteria.probabilities(&nats);
+    if let Some(i) = strongest {
+        let candidate = findings.last.model.causes[i].candidate;
+        let worth = |share: f64| as_a_law(share, candidate, &findings.gains[i], criteria);
+        let (named, rest) = shares.split_at_mut(rows.len());
+        rest[1] += named.iter().map(|s| s - worth(*s)).sum::<f64>();
+        named.iter_mut().for_each(|s| *s = worth(*s));
+    }
     let mut all: Vec<Ranked> = rows
         .iter()
         .zip(&shares)

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::answer::{Replaced, Unexplained};
 use super::called::{Called, called};
-use super::candidate::Place;
+use super::candidate::{Candidate, Place};
 use super::criteria::Criteria;
 use super::episodes::{Episode, episodes};
 use super::fit::Fit;
@@ -35,6 +35,8 @@ pub struct Findings<'a> {
     pub last: Fit<'a>,
     pub standings: Vec<Standing<'a>>,
     pub gains: Vec<Gain>,
+    /// What both recordings show together, and the fit recording alone does not.
+    pub unconfirmed: Vec<Candidate>,
     /// What a search of the fit recording alone says of the check.
     pub held: HeldOut,
     pub fit: &'a Observed<'a>,
@@ -62,7 +64,8 @@ impl<'a> Findings<'a> {
             || kinematics::lagging(fit, check, settings),
         );
         let held = HeldOut::new(&alone.last, check);
-        let Called { fit: last, standings, gains } = called(both, &judge, &found);
+        let Called { fit: last, standings, gains, unconfirmed } =
+            called(both, &judge, &found, &held.causes);
         let alone = Fit::plain(blind.data, Model::of(fit.twin));
         Self {
             search: both,
@@ -70,6 +73,7 @@ impl<'a> Findings<'a> {
             last,
             standings,
             gains,
+            unconfirmed,
             held,
             fit,
             check,
@@ -154,7 +158,7 @@ impl<'a> Findings<'a> {
         Cause {
             effect: about.name.into(),
             joints: candidate.place.joints(),
-            probability: ranking::probability(standing, self.criteria()),
+            probability: self.probability(i),
             equivalent: ranking::equivalents(standing, self.criteria()),
             parameters,
             shrink: self.gains[i].shrink,
@@ -167,6 +171,12 @@ impl<'a> Findings<'a> {
             cause: about.cause.into(),
             remedy: about.remedy.into(),
         }
+    }
+
+    fn probability(&self, i: usize) -> f64 {
+        let probability = ranking::probability(&self.standings[i], self.criteria());
+        let candidate = self.last.model.causes[i].candidate;
+        ranking::as_a_law(probability, candidate, &self.gains[i], self.criteria())
     }
 
     /// What the causes leave, values from the fit recording.
@@ -234,10 +244,12 @@ impl<'a> Findings<'a> {
         let dropped =
             self.found.last.model.causes.iter().filter(|t| !self.last.model.has(t.candidate));
         for term in dropped {
-            notes.push(format!(
-                "{} fits too, but takes nothing sure off the check recording",
-                super::candidate::describe(term.candidate)
-            ));
+            let why = match self.unconfirmed.contains(&term.candidate) {
+                true => "both recordings together show it, the fit recording alone does not",
+                false => "takes nothing sure off the check recording",
+            };
+            let name = super::candidate::describe(term.candidate);
+            notes.push(format!("{name} fits too, but {why}"));
         }
         notes.extend(link_masses::says(&self.last, self.settings));
         let blind: Vec<String> = self
