@@ -77,8 +77,10 @@ fn a_known_load_is_weighed() {
         assert_eq!(first["effect"], "payload", "{:?}", causes(&loaded));
         let mass = first["parameters"].as_array().unwrap();
         let mass = mass.iter().find(|p| p["name"] == "payload_mass").unwrap();
-        let kg = mass["value"].as_f64().unwrap();
-        assert!((kg / LOAD_KG - 1.0).abs() < 0.07, "{kg} kg");
+        let [kg, low, high] = ["value", "low", "high"].map(|key| mass[key].as_f64().unwrap());
+        assert!((kg / LOAD_KG - 1.0).abs() < 0.03, "{kg} kg");
+        assert!(low < LOAD_KG && LOAD_KG < high, "{low} to {high} kg");
+        assert_eq!(first["found_without_check"], true);
         assert!(shrink(&loaded, "fraction") > 0.97);
     }
 }
