@@ -45,8 +45,9 @@ pub fn called<'a>(
             continue;
         }
         let chosen = |i: &usize| is_chosen(&standings[*i], blind, &search.criteria);
-        let law =
-            |i: &usize| gains[*i].speaks_of_a_law(fit.model.causes[*i].candidate, &search.criteria);
+        let law = |i: &usize| {
+            gains[*i].needs_replication(fit.model.causes[*i].candidate, &search.criteria)
+        };
         let is_open = |i: &usize| law(i) && !chosen(i);
         let Some(i) = (0..count).filter(is_open).min_by(least) else {
             return Called { fit, standings, gains, unconfirmed };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::built::{self, Built, follows, is_kept, key, of_sensors, of_term};
-use super::candidate::{Candidate, Place, Term, acts_on, sense, shown};
+use super::candidate::{Candidate, Place, Term, shown};
 use super::data::Data;
 use super::model::Model;
 use super::observed::Observed;
@@ -30,8 +30,8 @@ pub struct Fit<'a> {
     /// Sum of squares left in the metric, joint by joint, (N.m)^2.
     pub squares: Vec<f64>,
     normal: Arc<Normal>,
-    /// What the model gives over all samples of each recording, N.m.
-    modelled: Arc<Vec<JointSeries>>,
+    /// What the model gives over all samples of each recording, before sensors, N.m.
+    pub modelled: Arc<Vec<JointSeries>>,
     /// What the arm with its causes weighs, of each recording.
     rigid: Vec<Arc<Rigid>>,
 }
@@ -152,7 +152,7 @@ impl<'a> Fit<'a> {
     }
 
     /// Of one recording.
-    fn blocks(&self, p: usize, candidate: Candidate, nonlinear: &[f64]) -> Vec<Blocks> {
+    pub fn blocks(&self, p: usize, candidate: Candidate, nonlinear: &[f64]) -> Vec<Blocks> {
         let (observed, sensors) = (self.data.parts[p], &self.model.causes);
         let motion = self.motion_of(p);
         let series = built::series(observed, &self.model, candidate, nonlinear, &motion);
@@ -178,58 +178,6 @@ impl<'a> Fit<'a> {
         let (observed, laden) = (self.data.parts[p], &self.model.laden);
         let rigid = Some(&*self.rigid[p]);
         Motion { known: Some(&self.modelled[p]), rigid, ..observed.motion(laden) }
-    }
-
-    /// d torque / d value of what a sensor of `candidate` shows, around none: a column to search by.
-    pub fn sensed(&self, candidate: Candidate, nonlinear: &[f64]) -> Raw {
-        let mut sensors = self.model.causes.clone();
-        sensors.push(Term::new(candidate, nonlinear.to_vec()));
-        self.otherwise_sensed(candidate, &sensors, nonlinear[0])
-    }
-
-    /// d torque / d nonlinear parameter `i` of cause `k`, N.m per unit, by a difference of `step`.
-    pub fn slope(&self, k: usize, i: usize, step: f64) -> Raw {
-        let cause = &self.model.causes[k];
-        let mut moved = cause.nonlinear.clone();
-        moved[i] += step;
-        if cause.candidate.senses() {
-            let mut sensors = self.model.causes.clone();
-            sensors[k].nonlinear = moved;
-            return self.otherwise_sensed(cause.candidate, &sensors, step);
-        }
-        let linear = &self.values(k)[..cause.candidate.linear()];
-        let at = |p: usize, nonlinear: &[f64]| self.blocks(p, cause.candidate, nonlinear);
-        let change = |p: usize| {
-            let mut sum = Blocks((0..self.data.joints()).map(|_| Vec::new()).collect());
-            for (columns, sign) in [(at(p, &moved), 1.0), (at(p, &cause.nonlinear), -1.0)] {
-                for (column, value) in columns.iter().zip(linear) {
-                    sum.gather(sign * value / step, column);
-                }
-            }
-            sum
-        };
-        self.data.raw((0..self.data.parts.len()).map(change).collect())
-    }
-
-    /// What other `sensors` would show of the joints that `candidate` acts on, less what is shown, per
-    /// `step`.
-    fn otherwise_sensed(&self, candidate: Candidate, sensors: &[Term], step: f64) -> Raw {
-        let change = |p: usize| {
-            let observed = self.data.parts[p];
-            let joint = |j: usize| {
-                if !acts_on(candidate, j) {
-                    return Vec::new();
-                }
-                let with = |sensors: &[Term]| {
-                    let series = self.modelled[p].joint(j).to_vec();
-                    observed.block(j, &sense(observed, sensors, j, series))
-                };
-                let (before, after) = (with(&self.model.causes), with(sensors));
-                after.iter().zip(before).map(|(a, b)| (a - b) / step).collect()
-            };
-            Blocks((0..observed.joints()).map(joint).collect())
-        };
-        self.data.raw((0..self.data.parts.len()).map(change).collect())
     }
 
     /// Of the first recording, where a search begins.

@@ -37,7 +37,7 @@ pub struct Gain {
 
 impl Gain {
     /// Is it a law of the arm, seen where no law is exact? Not what acts in one recording alone.
-    pub fn speaks_of_a_law(&self, candidate: Candidate, criteria: &Criteria) -> bool {
+    pub fn needs_replication(&self, candidate: Candidate, criteria: &Criteria) -> bool {
         candidate.recording.is_none() && self.acts && self.where_exact < criteria.least_gain
     }
 

@@ -6,19 +6,18 @@
 use super::Settings;
 use super::discrepancy::{MASSES, mass_errors};
 use super::fit::Fit;
+use super::intervals::LEVEL;
 use super::observed::Observed;
 use crate::regression::bounds::Bounds;
 use crate::regression::{Blocks, Column, Raw};
-use crate::robot::body_regressor_series;
+use crate::robot::{Body, body_regressor_series};
 use crate::statistics::normal_quantile;
-
-/// Of the intervals.
-const LEVEL: f64 = 0.9;
 
 /// A link that is heavier or lighter than the twin's.
 struct Change<'a> {
     link: &'a str,
     kg: f64,
+    /// Half the width of its 90 % interval, kg.
     half: f64,
     /// Of its mass.
     share: f64,
@@ -30,6 +29,22 @@ pub fn says(fit: &Fit<'_>, settings: &Settings) -> Option<String> {
     if mass_error <= 0.0 {
         return None;
     }
+    let (changes, taken_nm) = changes(fit, settings);
+    let (joint, nm) = taken_nm.into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let sure = changes.iter().filter(|c| c.kg.abs() > c.half);
+    let sure: Vec<String> = sure.map(|c| c.says(mass_error)).collect();
+    let links = if sure.is_empty() { "no link by itself".into() } else { sure.join(", ") };
+    let known = format!("{:.0} %, centres to {:.0} mm", 100.0 * mass_error, 1e3 * centre_error_m);
+    (nm.powi(2) > fit.data.least(joint)).then(|| {
+        format!(
+            "links' masses, known to {known}, take up {nm:.2} N.m at joint {}: {links}",
+            joint + 1
+        )
+    })
+}
+
+/// Of every link, and the torque that all changes together give at each joint (root mean square, N.m).
+fn changes<'a>(fit: &Fit<'a>, settings: &Settings) -> (Vec<Change<'a>>, Vec<f64>) {
     // They stand for themselves here.
     let mut sizes = fit.sizes.clone();
     sizes.iter_mut().for_each(|s| s[MASSES] = 0);
@@ -41,25 +56,16 @@ pub fn says(fit: &Fit<'_>, settings: &Settings) -> Option<String> {
     let projected = fit.system.project(&columns, &expected);
     let (x, _) = projected.solve(&Bounds::unbounded(columns.len()));
     let variances = projected.variances();
-    let half = normal_quantile(0.5 + 0.5 * LEVEL);
-    let changes = bodies.iter().enumerate().map(|(link, body)| Change {
+    let z = normal_quantile(1.0 - LEVEL);
+    let change = |(link, body): (usize, &'a Body)| Change {
         link: &body.name,
         kg: x[4 * link],
-        half: half * variances[4 * link].sqrt(),
+        half: z * variances[4 * link].sqrt(),
         share: x[4 * link] / body.inertia.mass,
-    });
-    let sure: Vec<String> =
-        changes.filter(|c| c.kg.abs() > c.half).map(|c| c.says(mass_error)).collect();
-    let links = if sure.is_empty() { "no link by itself".into() } else { sure.join(", ") };
-    let most = (0..fit.data.joints()).map(|j| (j, taken_up(&fit, &raw, x.as_slice(), j)));
-    let (joint, nm) = most.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let known = format!("{:.0} %, centres to {:.0} mm", 100.0 * mass_error, 1e3 * centre_error_m);
-    (nm.powi(2) > fit.data.least(joint)).then(|| {
-        format!(
-            "links' masses, known to {known}, take up {nm:.2} N.m at joint {}: {links}",
-            joint + 1
-        )
-    })
+    };
+    let changes = bodies.iter().enumerate().map(change).collect();
+    let taken = |j: usize| taken_up(&fit, &raw, x.as_slice(), j);
+    (changes, (0..fit.data.joints()).map(taken).collect())
 }
 
 impl Change<'_> {
@@ -107,8 +113,8 @@ mod tests {
 
     const LINK: usize = 2;
 
-    /// Of an arm whose link is heavier than the twin's by a share of its mass.
-    fn said(heavier: f64) -> Option<String> {
+    /// The fit of a twin to an arm whose link is heavier by a share of its mass, seen `with` it.
+    fn of_arm<T>(heavier: f64, with: impl FnOnce(&Fit<'_>, &Settings) -> T) -> T {
         let twin = Twin::default();
         let mut arm = twin.clone();
         arm.robot.bodies[LINK].inertia.mass *= 1.0 + heavier;
@@ -119,17 +125,32 @@ mod tests {
         let observed = Observed::new(0, &twin, &made, &floor).unwrap();
         let settings = Settings::default();
         let data = Data::new(vec![&observed], &settings);
-        says(&Fit::plain(&data, Model::of(&twin)), &settings)
+        with(&Fit::plain(&data, Model::of(&twin)), &settings)
     }
 
     #[test]
     fn what_links_take_up_is_told() {
-        let said = said(0.04).expect("a link that is 4 % heavier");
+        let said = of_arm(0.04, says).expect("a link that is 4 % heavier");
         assert!(said.contains("take up") && said.contains("N.m at joint"), "{said}");
     }
 
     #[test]
     fn of_an_exact_twin_nothing_is_told() {
-        assert_eq!(said(0.0), None);
+        assert_eq!(of_arm(0.0, says), None);
+    }
+
+    /// Masses of neighbouring links are told apart by little: each interval holds the truth all the
+    /// same.
+    #[test]
+    fn intervals_hold_the_change() {
+        const HEAVIER: f64 = 0.04;
+        of_arm(HEAVIER, |fit, settings| {
+            for (link, change) in changes(fit, settings).0.iter().enumerate() {
+                let mass = fit.data.twin.robot.bodies[link].inertia.mass;
+                let truth = if link == LINK { HEAVIER * mass } else { 0.0 };
+                let (kg, half) = (change.kg, change.half);
+                assert!((kg - truth).abs() < half, "link {link}: {kg} +- {half}, {truth} kg");
+            }
+        });
     }
 }

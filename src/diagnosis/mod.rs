@@ -38,6 +38,7 @@ mod revise;
 mod screen;
 mod search;
 mod shrink;
+mod slopes;
 mod slow;
 #[cfg(test)]
 mod testing;

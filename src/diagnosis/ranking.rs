@@ -18,12 +18,12 @@ pub fn named(candidate: Candidate) -> Named {
 /// Of a law that is not exact: chosen by one recording and confirmed by another, it agreed in two of two,
 /// and would again with this probability (Jeffreys' prior: (2 + 1/2) / (2 + 1)). Where it would not,
 /// something unknown looks like it.
-const AGREES_AGAIN: f64 = 2.5 / 3.0;
+const REPLICATES: f64 = 2.5 / 3.0;
 
 /// What a probability is worth where the law is, or is not, exact.
-pub fn as_a_law(probability: f64, candidate: Candidate, gain: &Gain, criteria: &Criteria) -> f64 {
-    match gain.speaks_of_a_law(candidate, criteria) {
-        true => AGREES_AGAIN * probability,
+pub fn replicated(probability: f64, candidate: Candidate, gain: &Gain, criteria: &Criteria) -> f64 {
+    match gain.needs_replication(candidate, criteria) {
+        true => REPLICATES * probability,
         false => probability,
     }
 }
@@ -102,7 +102,7 @@ pub fn ranking(findings: &Findings<'_>) -> Vec<Ranked> {
     let mut shares = criteria.probabilities(&nats);
     if let Some(i) = strongest {
         let candidate = findings.last.model.causes[i].candidate;
-        let worth = |share: f64| as_a_law(share, candidate, &findings.gains[i], criteria);
+        let worth = |share: f64| replicated(share, candidate, &findings.gains[i], criteria);
         let (named, rest) = shares.split_at_mut(rows.len());
         rest[1] += named.iter().map(|s| s - worth(*s)).sum::<f64>();
         named.iter_mut().for_each(|s| *s = worth(*s));

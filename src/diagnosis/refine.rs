@@ -18,8 +18,6 @@ const INCONSISTENT: f64 = 0.02;
 const SCANNED: usize = 9;
 /// Of the distance between starts: a value that is closer to a start has hardly left it.
 const AWAY: f64 = 0.25;
-/// Of the way to a neighbouring start: the difference that gives a slope.
-const DIFFERENCE: f64 = 1e-3;
 /// Of a refined parameter, relative to the bracket (of its logarithm where positive).
 const TOLERANCE: f64 = 0.01;
 /// Rounds of setting references from what was fitted.
@@ -66,22 +64,6 @@ impl Trial {
         let differs = |i: &usize| starts.iter().any(|s| s[*i] != starts[0][*i]);
         (0..self.nonlinear.len()).filter(differs).collect()
     }
-}
-
-/// d torque / d each nonlinear parameter of cause `k` that is searched and no reference, N.m per unit.
-pub fn slopes(fit: &Fit<'_>, k: usize) -> Vec<Raw> {
-    let term = &fit.model.causes[k];
-    let starts = Arc::new(term.candidate.starts(&fit.motion(), fit.data.twin));
-    let linear = fit.values(k)[..term.candidate.linear()].to_vec();
-    let at = Trial { linear, ..Trial::at(term.candidate, term.nonlinear.clone(), starts) };
-    let free = at.searched().into_iter().filter(|i| !settled(&at, *i));
-    free.map(|i| {
-        let [below, above] = neighbours(&at, i);
-        // Towards the farther end, so that it stays within the range.
-        let far = if above - at.nonlinear[i] > at.nonlinear[i] - below { above } else { below };
-        fit.slope(k, i, DIFFERENCE * (far - at.nonlinear[i]))
-    })
-    .collect()
 }
 
 /// A term of a model as a trial on the fit without it.

@@ -5,6 +5,7 @@ use super::candidate::{Candidate, Extent};
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, WEIGHED};
 use super::refine;
+use super::slopes::of_cause;
 use crate::regression::bounds::Bounds;
 use crate::regression::{Column, Raw};
 
@@ -48,7 +49,7 @@ fn exchanged<'a>(all: &Hypotheses<'a>, fit: &Fit<'a>, fresh: &[Candidate]) -> Op
 /// How the torque of each cause changes with its nonlinear values, at the joints it acts on.
 fn slopes(fit: &Fit<'_>) -> Vec<(Candidate, Vec<Raw>)> {
     let causes = fit.model.causes.iter().enumerate().filter(|(_, t)| !t.searched.is_empty());
-    causes.map(|(k, t)| (t.candidate, refine::slopes(fit, k))).collect()
+    causes.map(|(k, t)| (t.candidate, of_cause(fit, k))).collect()
 }
 
 /// Without a cause at `extent` the others may be elsewhere: those whose values gain by a step are

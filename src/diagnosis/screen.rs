@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::candidate::Candidate;
 use super::fit::Fit;
 use super::refine::{Trial, linear_bounds, priors};
-use super::windows;
+use super::{slopes, windows};
 use crate::regression::bounds::Bounds;
 use crate::regression::random_effects::Metric;
 use crate::regression::{Column, Projected, Raw, System};
@@ -83,7 +83,7 @@ fn best_start(fit: &Fit<'_>, frames: &[Frame], candidate: Candidate) -> Screened
     };
     for nonlinear in tried {
         let raw = match candidate.senses() {
-            true => Arc::new(vec![fit.sensed(candidate, nonlinear)]),
+            true => Arc::new(vec![slopes::of_sensor(fit, candidate, nonlinear)]),
             false => fit.raw_kept(candidate, nonlinear),
         };
         let priors = priors(fit, candidate, &raw);

@@ -176,7 +176,7 @@ impl<'a> Findings<'a> {
     fn probability(&self, i: usize) -> f64 {
         let probability = ranking::probability(&self.standings[i], self.criteria());
         let candidate = self.last.model.causes[i].candidate;
-        ranking::as_a_law(probability, candidate, &self.gains[i], self.criteria())
+        ranking::replicated(probability, candidate, &self.gains[i], self.criteria())
     }
 
     /// What the causes leave, values from the fit recording.
