@@ -28,6 +28,7 @@ pub mod recording;
 pub mod regression;
 pub mod report;
 pub mod resimulation;
+pub mod rigid_body;
 pub mod robot;
 pub mod series;
 pub mod signals;

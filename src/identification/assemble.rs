@@ -192,7 +192,7 @@ fn known_torque(samples: &Samples, twin: &Twin, terms: &Terms) -> JointSeries {
 }
 
 /// The same zero-phase filter for every column, then the rows in use.
-fn reduce(filter: Option<LowPass>, rows: &Rows) -> Reduce {
+pub(super) fn reduce(filter: Option<LowPass>, rows: &Rows) -> Reduce {
     let rows = rows.clone();
     Arc::new(move |mut columns| {
         if let Some(filter) = &filter {

@@ -120,9 +120,13 @@ pub fn judge(
         &plain.residual,
         &plain.slots,
     )?;
-    let (bent, _) = stack(problems, arm, found, true);
-    let bent =
-        judge::estimate(&bent.parameters, &bent.x, &bent.columns, &bent.residual, &bent.slots)?;
+    let curved = problems.iter().any(|p| p.curve.is_some());
+    let bent = if curved {
+        let (s, _) = stack(problems, arm, found, true);
+        judge::estimate(&s.parameters, &s.x, &s.columns, &s.residual, &s.slots)?
+    } else {
+        Vec::new()
+    };
     let shared = rows.split_off(plain.parameters.len() - arm.shared.len());
     let mut tables = Vec::new();
     for (j, problem) in problems.iter().enumerate() {

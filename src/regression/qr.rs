@@ -22,6 +22,11 @@ const DEPENDENT: f64 = 1e-11;
 
 impl Qr {
     pub fn new(columns: Vec<Vec<f64>>) -> Self {
+        Self::within(columns, DEPENDENT)
+    }
+
+    /// The same where a column of which no more than the share `dependent` is left counts as dependent.
+    pub fn within(columns: Vec<Vec<f64>>, dependent: f64) -> Self {
         let n = columns.len();
         let mut q = columns;
         let mut r = DMatrix::zeros(n, n);
@@ -32,7 +37,7 @@ impl Qr {
             let h = project_out(before, column);
             r.view_mut((0, k), (k, 1)).copy_from_slice(&h);
             let left = dot(column, column).sqrt();
-            let independent = left > DEPENDENT * length;
+            let independent = left > dependent * length;
             r[(k, k)] = if independent { left } else { 0.0 };
             let scale = if independent { 1.0 / left } else { 0.0 };
             column.iter_mut().for_each(|c| *c *= scale);

@@ -6,6 +6,7 @@ use anyhow::Context;
 use serde::Serialize;
 
 use super::Report;
+use super::inertia::RigidBody;
 use crate::files::write_whole;
 use crate::identification::{self, Dropped, Located, MethodResult, Settings};
 use crate::recording::Provenance;
@@ -30,6 +31,8 @@ struct Document<'a> {
     dropped: Option<&'a [Dropped]>,
     methods: &'a [MethodResult],
     verdict: Vec<String>,
+    /// The rigid body; null without `inertia`.
+    inertia: Option<&'a RigidBody>,
 }
 
 #[derive(Serialize)]
@@ -88,6 +91,7 @@ pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
         dropped: report.dropped,
         methods: report.results,
         verdict: report.results.last().map(identification::verdict).unwrap_or_default(),
+        inertia: report.rigid_body,
     };
     let text = serde_json::to_string_pretty(&document)?;
     write_whole(path, |out| writeln!(out, "{text}"))

@@ -1,5 +1,6 @@
 //! `armtwin identify`: friction and what goes with it, with tests and intervals.
 
+mod inertia;
 mod json;
 mod page;
 mod print;
@@ -8,13 +9,17 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use inertia::{Beside, Fitted, RigidBody};
+
 use super::conditioning::ConditioningArgs;
+use super::save;
 use crate::diagnosis;
 use crate::identification::{
     self, ArmProblem, BoundsByName, Dropped, IdentificationError, Located, Method, MethodResult,
     Search, Settings, Terms, assemble_around,
 };
 use crate::recording::{self, Recording};
+use crate::robot::urdf;
 use crate::signals::{Conditioning, Samples, condition};
 use crate::twin::Twin;
 
@@ -32,6 +37,8 @@ use crate::twin::Twin;
       --twin scenarios/twins/ur10e.toml --with paper,offset
   armtwin identify fit.csv --method nlse --with presliding,torque_ripple --guard 0.05
   armtwin identify fit.csv --method pso,nlse,mcmc
+  armtwin identify fit.csv --check check.csv --method nlse --with inertia,load_friction \
+      --save-urdf arm.urdf --save-twin arm.toml
   armtwin identify fit.csv --method nlse --bounds stribeck_velocity=0.01:0.2")]
 pub struct Args {
     /// Recording to fit: file, or folder with one log per signal
@@ -51,7 +58,7 @@ pub struct Args {
     /// What to fit, effects by name; `paper` is Eq. 1 (see `armtwin effects`)
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     terms: Vec<String>,
-    /// What to fit besides
+    /// What to fit besides; `inertia` are the inertial parameters of all links
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
     /// Drop, one by one, the terms whose existence the robust test does not show, and fit the rest
@@ -75,6 +82,12 @@ pub struct Args {
     /// Write the twin with the fitted values (NLSE's where both ran)
     #[arg(long, value_name = "FILE")]
     save_twin: Option<PathBuf>,
+    /// With inertia: write the arm with the links found
+    #[arg(long, value_name = "FILE.urdf")]
+    save_urdf: Option<PathBuf>,
+    /// With inertia: mass of all moving links where it is known, kg
+    #[arg(long, value_name = "KG", allow_hyphen_values = true)]
+    total_mass: Option<f64>,
     #[command(flatten)]
     conditioning: ConditioningArgs,
 }
@@ -122,16 +135,26 @@ pub(super) struct Report<'a> {
     /// With `--reduce`, the terms that were taken out.
     pub dropped: Option<&'a [Dropped]>,
     pub results: &'a [MethodResult],
+    /// With `inertia`.
+    pub rigid_body: Option<&'a RigidBody>,
 }
 
 /// A recording and what became of it.
+#[derive(Clone)]
 pub(super) struct Loaded {
     pub recording: Recording,
     pub samples: Samples,
     pub problem: ArmProblem,
 }
 
+impl Loaded {
+    fn parts(self) -> (Recording, Samples) {
+        (self.recording, self.samples)
+    }
+}
+
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    args.check_inertia()?;
     if let Some(check) = &args.check {
         refuse_same_file(&args.recording, check)?;
     }
@@ -150,8 +173,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let dropped =
         if args.reduce { Some(reduce(&mut fit, check.as_mut(), &settings)?) } else { None };
-    let results =
+    let beside =
+        Beside { args, terms: &terms, around: &around, located: &located, settings: &settings };
+    let given = (fit.clone(), check.clone());
+    let inertial = args.asks_for_inertia().then(|| beside.attach(&mut fit, check.as_mut()));
+    let inertial = inertial.transpose()?;
+    let mut results =
         identification::identify(&fit.problem, check.as_ref().map(|c| &c.problem), &settings)?;
+    let body = |i| beside.rigid_body(i, &mut results, given, &fit, check.as_ref());
+    let rigid_body = inertial.as_ref().map(body).transpose()?;
     let report = Report {
         args,
         twin: &twin,
@@ -164,6 +194,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         check: check.as_ref(),
         dropped: dropped.as_deref(),
         results: &results,
+        rigid_body: rigid_body.as_ref(),
     };
     print::print(&report);
     if let Some(path) = &args.json {
@@ -171,6 +202,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     if let Some(path) = &args.report {
         page::write(&report, path)?;
+    }
+    if let (Some(path), Some(body)) = (&args.save_urdf, report.rigid_body) {
+        save::text(path, &urdf::write(&body.fitted.around.robot))?;
+        println!("\nLinks: {}", path.display());
     }
     if let Some(path) = &args.save_twin {
         save_twin(&report, path)?;
@@ -180,10 +215,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 
 impl Args {
     fn terms(&self, twin: &Twin) -> Result<Terms, IdentificationError> {
-        let more = self.with.iter().map(String::as_str);
-        match (&self.terms[..], &self.twin) {
+        let effects = |names: &[String]| -> Vec<String> {
+            names.iter().filter(|name| *name != inertia::NAME).cloned().collect()
+        };
+        let (terms, with) = (effects(&self.terms), effects(&self.with));
+        let more = with.iter().map(String::as_str);
+        match (&terms[..], &self.twin) {
             ([], None) => Terms::named(Terms::usual()?.names().into_iter().chain(more)),
-            ([], Some(_)) => Terms::of_twin(twin, &self.with),
+            ([], Some(_)) => Terms::of_twin(twin, &with),
             (given, _) => Terms::named(given.iter().map(String::as_str).chain(more)),
         }
     }
@@ -289,6 +328,13 @@ fn save_twin(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
 
 /// The twin with the values found, and by which method.
 fn fitted<'a>(report: &Report<'a>) -> Result<Option<(Twin, &'a str)>, IdentificationError> {
+    if let Some(RigidBody { fitted: Fitted { around, fit, result }, .. }) = report.rigid_body {
+        let mut twin = identification::fitted_twin(around, report.terms, &fit.problem, result)?;
+        if let Some(urdf) = &report.args.save_urdf {
+            twin.source = std::path::absolute(urdf).unwrap_or(urdf.clone()).display().to_string();
+        }
+        return Ok(Some((twin, &result.method)));
+    }
     let preferred = report.results.iter().find(|r| r.method == Method::Nlse.name());
     let Some(result) = preferred.or(report.results.first()) else { return Ok(None) };
     let fitted =

@@ -1,6 +1,6 @@
 //! Tables of an identification for people.
 
-use super::{Loaded, Report};
+use super::{Loaded, Report, inertia};
 use crate::identification::{
     self, Dropped, Interval, JointEstimate, Located, MethodResult, ParameterEstimate,
 };
@@ -23,6 +23,7 @@ pub fn print(report: &Report<'_>) {
     for result in report.results {
         print_method(result);
     }
+    report.rigid_body.iter().for_each(|body| inertia::print(body));
     if let Some(result) = report.results.last() {
         println!("\nWhat {} found", result.method);
         identification::verdict(result).iter().for_each(|line| println!("  {line}"));

@@ -1,0 +1,216 @@
+//! The links' inertial parameters, fitted together with what a joint has of its own.
+//!
+//! The base parameters enter an arm's problem as parameters that all joints share. What the data say of
+//! them, once friction, rotors and offsets of every joint are projected out (Frisch and Waugh), then
+//! becomes the links that are most probable beside the model's.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::assemble::{ArmProblem, reduce};
+use super::error::IdentificationError;
+use super::judge::{self, LEVEL};
+use super::problem::{JointProblem, Parameter};
+use super::terms::Terms;
+use super::{Found, MethodResult, ParameterEstimate, shared};
+use crate::kernels::{axpy, dot};
+use crate::regression::qr::{Qr, unexplained};
+use crate::rigid_body::{BaseParameters, Estimate, Information, estimate, parameters};
+use crate::robot::{Robot, body_regressor_series};
+use crate::series::JointSeries;
+use crate::signals::Samples;
+use crate::statistics::{effective_samples, normal_quantile};
+use crate::twin::Twin;
+
+/// Which parameters of an arm's problem are the links'.
+#[derive(Debug, Clone)]
+pub struct Inertial {
+    pub base: BaseParameters,
+    /// Of the base parameters: the model's values, and how large each could be.
+    pub model: DVector<f64>,
+    pub sizes: DVector<f64>,
+    /// Where they begin among the shared parameters.
+    first: usize,
+}
+
+/// They are searched within this many times the size that the model's links could have.
+const RANGE: f64 = 10.0;
+
+impl Inertial {
+    /// Of a twin whose rotor inertias are fitted along where `terms` say so.
+    pub fn of(twin: &Twin, terms: &Terms) -> Self {
+        let base = BaseParameters::of(&twin.robot, terms.contains("rotor_inertia"));
+        let model = base.values(&parameters::of(&twin.robot));
+        let sizes = base.sizes(&twin.robot);
+        Self { base, model, sizes, first: 0 }
+    }
+
+    /// Adds the base parameters to what the joints of `arm` share. Their values are those of the whole
+    /// link, not what it has more than the model.
+    ///
+    /// # Errors
+    /// If the recording cannot be filtered.
+    pub fn attach(
+        &mut self,
+        arm: &mut ArmProblem,
+        samples: &Samples,
+        twin: &Twin,
+    ) -> Result<(), IdentificationError> {
+        let samples = &twin.correct(samples);
+        let filter = samples.torque_filter()?;
+        let columns = self.columns(samples, &twin.laden());
+        self.first = arm.shared.len();
+        arm.shared.extend((0..self.base.len()).map(|i| self.parameter(i)));
+        let joints = arm.joints.par_iter_mut().zip(&mut arm.shared_columns).enumerate();
+        joints.for_each(|(j, (problem, shared))| {
+            let reduce = reduce(filter.clone(), &samples.rows(j));
+            let felt = |c: &&JointSeries| c.joint(j).iter().any(|v| *v != 0.0);
+            let some = columns.iter().filter(felt).map(|c| c.joint(j).to_vec()).collect();
+            let mut reduced = reduce(some).into_iter();
+            for (column, value) in columns.iter().zip(&self.model) {
+                let zeros = || vec![0.0; problem.samples()];
+                let kept = if felt(&column) { reduced.next() } else { None };
+                let kept = kept.unwrap_or_else(zeros);
+                axpy(*value, &kept, &mut problem.y);
+                shared.push(kept);
+            }
+        });
+        Ok(())
+    }
+
+    fn parameter(&self, i: usize) -> Parameter {
+        let place = self.base.independent[i];
+        let range = RANGE * self.sizes[i];
+        let (name, unit) = (parameters::name(place), parameters::unit(place).into());
+        Parameter { name, unit, lower: -range, upper: range }
+    }
+
+    /// Torque of every joint per unit of each base parameter, at every sample.
+    fn columns(&self, samples: &Samples, robot: &Robot) -> Vec<JointSeries> {
+        let links = (0..robot.dof()).into_par_iter();
+        let all: Vec<[JointSeries; 10]> = links
+            .map(|link| body_regressor_series(robot, &samples.q, &samples.qd, &samples.qdd, link))
+            .collect();
+        let of = |&i: &usize| all[i / parameters::PER_LINK][i % parameters::PER_LINK].clone();
+        self.base.independent.iter().map(of).collect()
+    }
+
+    /// Takes the base parameters' rows out of a result. Those of which these data say less than the
+    /// model, with an interval wider than a link of its mass and extent could have, are not identified.
+    pub fn take(&self, arm: &ArmProblem, result: &mut MethodResult) -> Vec<ParameterEstimate> {
+        let said = self.said(arm, &result.found);
+        let inverse = said.gram.clone().pseudo_inverse(0.0).unwrap_or_else(|_| said.gram.clone());
+        let own = self.first..self.first + self.base.len();
+        let mut rows: Vec<ParameterEstimate> = result.arm.drain(own).collect();
+        for (i, row) in rows.iter_mut().enumerate() {
+            if 0.5 * (row.high - row.low) > self.sizes[i] {
+                judge::give_up(row, self.why_unexcited(&said.gram, &inverse, i));
+            }
+        }
+        rows
+    }
+
+    fn why_unexcited(&self, gram: &DMatrix<f64>, inverse: &DMatrix<f64>, i: usize) -> String {
+        let alone = normal_quantile(1.0 - LEVEL) / gram[(i, i)].sqrt();
+        if alone > self.sizes[i] {
+            return "this motion hardly asks for it: even with all others known it would stay less \
+                    sure than the model's"
+                .into();
+        }
+        let correlation =
+            |k: &usize| (inverse[(i, *k)] / (inverse[(i, i)] * inverse[(*k, *k)]).sqrt()).abs();
+        let mut others: Vec<usize> = (0..self.base.len()).filter(|k| *k != i).collect();
+        others.sort_by(|a, b| correlation(b).total_cmp(&correlation(a)));
+        let names = others.iter().take(2).map(|&k| parameters::name(self.base.independent[k]));
+        format!("this motion hardly tells it from {}", names.collect::<Vec<_>>().join(" and "))
+    }
+
+    /// Condition number of the base parameters' columns, each in units of its size.
+    pub fn condition(&self, arm: &ArmProblem, result: &MethodResult) -> f64 {
+        let gram = self.said(arm, &result.found).gram;
+        let n = gram.nrows();
+        let scaled = DMatrix::from_fn(n, n, |i, k| gram[(i, k)] * self.sizes[i] * self.sizes[k]);
+        let eigenvalues = scaled.symmetric_eigenvalues();
+        (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt()
+    }
+
+    /// The most probable links; `None` where a link of the model is impossible.
+    pub fn links(
+        &self,
+        arm: &ArmProblem,
+        result: &MethodResult,
+        robot: &Robot,
+        total_mass: Option<f64>,
+    ) -> Option<Estimate> {
+        estimate(robot, &self.base, &self.said(arm, &result.found), total_mass)
+    }
+
+    /// What the data say of the base parameters alone. Neighbouring rows say the same where what is
+    /// left is correlated: they count as many times less as their correlation time is longer.
+    fn said(&self, arm: &ArmProblem, found: &Found) -> Information {
+        let joints = shared::take_off(arm, &found.shared);
+        let each = (0..joints.len()).into_par_iter().map(|j| {
+            of_joint(&joints[j], &arm.joints[j], &arm.shared_columns[j], &found.joints[j])
+        });
+        let all: Vec<Information> = each.collect();
+        let n = arm.shared.len();
+        let nothing = Information { gram: DMatrix::zeros(n, n), pull: DVector::zeros(n) };
+        let sum = all
+            .into_iter()
+            .fold(nothing, |a, b| Information { gram: a.gram + b.gram, pull: a.pull + b.pull });
+        marginal(&sum, self.first, self.base.len())
+    }
+}
+
+/// What one joint says of the shared parameters: `left` is its problem without their torque.
+fn of_joint(
+    left: &JointProblem,
+    problem: &JointProblem,
+    columns: &[Vec<f64>],
+    x: &[f64],
+) -> Information {
+    let n = columns.len();
+    let residual = left.residual(x);
+    let rows = residual.len() as f64;
+    let freedom = rows - x.len() as f64;
+    if freedom <= 0.0 {
+        return Information { gram: DMatrix::zeros(n, n), pull: DVector::zeros(n) };
+    }
+    let own = Qr::new(left.sensitivity(x));
+    // What the joint's own terms bend is linear about where they were found.
+    let mut y = problem.y.clone();
+    axpy(-1.0, &left.predict(x), &mut y);
+    let y = unexplained(&own.q, y);
+    let seen = |c: &Vec<f64>| unexplained(&own.q, c.clone());
+    let columns: Vec<Vec<f64>> = columns.iter().map(seen).collect();
+    let variance = dot(&residual, &residual) / freedom;
+    let weight = effective_samples(&residual) / rows / variance.max(f64::MIN_POSITIVE);
+    let gram = DMatrix::from_fn(n, n, |i, k| match i <= k {
+        true => weight * dot(&columns[i], &columns[k]),
+        false => 0.0,
+    });
+    let gram = DMatrix::from_fn(n, n, |i, k| gram[(i.min(k), i.max(k))]);
+    let pull = DVector::from_fn(n, |i, _| weight * dot(&columns[i], &y));
+    Information { gram, pull }
+}
+
+/// Of `count` parameters from `first` on, whatever the others are.
+fn marginal(all: &Information, first: usize, count: usize) -> Information {
+    let n = all.gram.nrows();
+    let (own, other): (Vec<usize>, Vec<usize>) =
+        (0..n).partition(|i| (first..first + count).contains(i));
+    let part =
+        |rows: &[usize], columns: &[usize]| all.gram.select_rows(rows).select_columns(columns);
+    if other.is_empty() {
+        return all.clone();
+    }
+    let cross = part(&own, &other);
+    let Ok(inverse) = part(&other, &other).pseudo_inverse(f64::MIN_POSITIVE) else {
+        return Information { gram: part(&own, &own), pull: all.pull.select_rows(&own) };
+    };
+    let taken = &cross * inverse;
+    Information {
+        gram: part(&own, &own) - &taken * cross.transpose(),
+        pull: all.pull.select_rows(&own) - taken * all.pull.select_rows(&other),
+    }
+}
