@@ -36,6 +36,8 @@ pub enum IdentificationError {
          out, give their values in the twin, or take --method nlse"
     )]
     SharedPosterior { names: String },
+    #[error("a link of the twin's robot has no mass: correct it in the URDF")]
+    NoMass,
     #[error(transparent)]
     Bounds(#[from] BoundsError),
     #[error(transparent)]

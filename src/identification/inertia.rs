@@ -4,7 +4,9 @@
 //! them, once friction, rotors and offsets of every joint are projected out (Frisch and Waugh), then
 //! becomes the links that are most probable beside the model's.
 
-use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector, Vector4};
 use rayon::prelude::*;
 
 use super::assemble::{ArmProblem, reduce};
@@ -57,24 +59,13 @@ impl Inertial {
         twin: &Twin,
     ) -> Result<(), IdentificationError> {
         let samples = &twin.correct(samples);
-        let filter = samples.torque_filter()?;
-        let columns = self.columns(samples, &twin.laden());
         self.first = arm.shared.len();
-        arm.shared.extend((0..self.base.len()).map(|i| self.parameter(i)));
-        let joints = arm.joints.par_iter_mut().zip(&mut arm.shared_columns).enumerate();
-        joints.for_each(|(j, (problem, shared))| {
-            let reduce = reduce(filter.clone(), &samples.rows(j));
-            let felt = |c: &&JointSeries| c.joint(j).iter().any(|v| *v != 0.0);
-            let some = columns.iter().filter(felt).map(|c| c.joint(j).to_vec()).collect();
-            let mut reduced = reduce(some).into_iter();
-            for (column, value) in columns.iter().zip(&self.model) {
-                let zeros = || vec![0.0; problem.samples()];
-                let kept = if felt(&column) { reduced.next() } else { None };
-                let kept = kept.unwrap_or_else(zeros);
-                axpy(*value, &kept, &mut problem.y);
-                shared.push(kept);
-            }
-        });
+        let parameters = (0..self.base.len()).map(|i| self.parameter(i)).collect();
+        share(arm, samples, parameters, &self.columns(samples, &twin.laden()))?;
+        for (problem, shared) in arm.joints.iter_mut().zip(&arm.shared_columns) {
+            let own = shared[self.first..].iter().zip(&self.model);
+            own.for_each(|(column, value)| axpy(*value, column, &mut problem.y));
+        }
         Ok(())
     }
 
@@ -98,13 +89,12 @@ impl Inertial {
     /// Takes the base parameters' rows out of a result. Those of which these data say less than the
     /// model, with an interval wider than a link of its mass and extent could have, are not identified.
     pub fn take(&self, arm: &ArmProblem, result: &mut MethodResult) -> Vec<ParameterEstimate> {
-        let said = self.said(arm, &result.found);
-        let inverse = said.gram.clone().pseudo_inverse(0.0).unwrap_or_else(|_| said.gram.clone());
-        let own = self.first..self.first + self.base.len();
-        let mut rows: Vec<ParameterEstimate> = result.arm.drain(own).collect();
+        let gram = self.with_ranges(arm, self.said(arm, &result.found)).gram;
+        let inverse = gram.clone().pseudo_inverse(0.0).unwrap_or_else(|_| gram.clone());
+        let mut rows: Vec<ParameterEstimate> = result.arm.drain(self.own()).collect();
         for (i, row) in rows.iter_mut().enumerate() {
             if 0.5 * (row.high - row.low) > self.sizes[i] {
-                judge::give_up(row, self.why_unexcited(&said.gram, &inverse, i));
+                judge::give_up(row, self.why_unexcited(&gram, &inverse, i));
             }
         }
         rows
@@ -128,7 +118,7 @@ impl Inertial {
     /// Condition number of the base parameters' columns, each in units of its size.
     pub fn condition(&self, arm: &ArmProblem, result: &MethodResult) -> f64 {
         let gram = self.said(arm, &result.found).gram;
-        let n = gram.nrows();
+        let n = self.base.len();
         let scaled = DMatrix::from_fn(n, n, |i, k| gram[(i, k)] * self.sizes[i] * self.sizes[k]);
         let eigenvalues = scaled.symmetric_eigenvalues();
         (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt()
@@ -142,12 +132,24 @@ impl Inertial {
         robot: &Robot,
         total_mass: Option<f64>,
     ) -> Option<Estimate> {
-        estimate(robot, &self.base, &self.said(arm, &result.found), total_mass)
+        self.links_of(arm, &result.found, robot, total_mass)
     }
 
-    /// What the data say of the base parameters alone. Neighbouring rows say the same where what is
-    /// left is correlated: they count as many times less as their correlation time is longer.
-    fn said(&self, arm: &ArmProblem, found: &Found) -> Information {
+    fn links_of(
+        &self,
+        arm: &ArmProblem,
+        found: &Found,
+        robot: &Robot,
+        total_mass: Option<f64>,
+    ) -> Option<Estimate> {
+        let said = self.with_ranges(arm, self.said(arm, found));
+        estimate(robot, &self.base, &said, total_mass)
+    }
+
+    /// What the data say of the base parameters, then of everything else that the joints share.
+    /// Neighbouring rows say the same where what is left is correlated: they count as many times less
+    /// as their correlation time is longer.
+    pub fn said(&self, arm: &ArmProblem, found: &Found) -> Information {
         let joints = shared::take_off(arm, &found.shared);
         let each = (0..joints.len()).into_par_iter().map(|j| {
             of_joint(&joints[j], &arm.joints[j], &arm.shared_columns[j], &found.joints[j])
@@ -158,8 +160,102 @@ impl Inertial {
         let sum = all
             .into_iter()
             .fold(nothing, |a, b| Information { gram: a.gram + b.gram, pull: a.pull + b.pull });
-        marginal(&sum, self.first, self.base.len())
+        let order: Vec<usize> = self.own().chain(self.others(n)).collect();
+        Information {
+            gram: sum.gram.select_rows(&order).select_columns(&order),
+            pull: sum.pull.select_rows(&order),
+        }
     }
+
+    fn own(&self) -> Range<usize> {
+        self.first..self.first + self.base.len()
+    }
+
+    fn others(&self, shared: usize) -> impl Iterator<Item = usize> {
+        let own = self.own();
+        (0..shared).filter(move |i| !own.contains(i))
+    }
+
+    /// Others are within the range they are searched in, as far as a normal density says that.
+    pub fn with_ranges(&self, arm: &ArmProblem, mut said: Information) -> Information {
+        for (k, i) in self.others(arm.shared.len()).enumerate() {
+            let Parameter { lower, upper, .. } = arm.shared[i];
+            let place = self.base.len() + k;
+            let precision = (2.0 / (upper - lower)).powi(2);
+            said.gram[(place, place)] += precision;
+            said.pull[place] += precision * 0.5 * (lower + upper);
+        }
+        said
+    }
+}
+
+/// Adds parameters that all joints share, with their torque at every sample.
+pub fn share(
+    arm: &mut ArmProblem,
+    samples: &Samples,
+    parameters: Vec<Parameter>,
+    columns: &[JointSeries],
+) -> Result<(), IdentificationError> {
+    let filter = samples.torque_filter()?;
+    arm.shared.extend(parameters);
+    let joints = arm.joints.par_iter().zip(&mut arm.shared_columns).enumerate();
+    joints.for_each(|(j, (problem, shared))| {
+        let reduce = reduce(filter.clone(), &samples.rows(j));
+        let felt = |c: &&JointSeries| c.joint(j).iter().any(|v| *v != 0.0);
+        let some = columns.iter().filter(felt).map(|c| c.joint(j).to_vec()).collect();
+        let mut reduced = reduce(some).into_iter();
+        shared.extend(columns.iter().map(|column| {
+            let kept = if felt(&column) { reduced.next() } else { None };
+            kept.unwrap_or_else(|| vec![0.0; problem.samples()])
+        }));
+    });
+    Ok(())
+}
+
+/// A payload as sure as the links let it be: their errors look like a load's, so that its rows in
+/// `results` become those of a fit with uncertain links. Returns how uncertain these data call for, as
+/// a share of a mass; `None` without a payload in `arm`, or where a link of the model is impossible.
+///
+/// # Errors
+/// As [`super::assemble`].
+pub fn payload_beside_links(
+    arm: &ArmProblem,
+    samples: &Samples,
+    twin: &Twin,
+    terms: &Terms,
+    results: &mut [MethodResult],
+) -> Result<Option<f64>, IdentificationError> {
+    let Some(place) = arm.shared.iter().position(|p| p.name == "payload_mass") else {
+        return Ok(None);
+    };
+    let (mut inertial, mut arm) = (Inertial::of(twin, terms), arm.clone());
+    inertial.attach(&mut arm, samples, twin)?;
+    let found = Found::of(&arm)?;
+    let Some(links) = inertial.links_of(&arm, &found, &twin.robot, None) else { return Ok(None) };
+    let first = links.parameters.len() + place;
+    let [mass, x, y, z]: [f64; 4] = std::array::from_fn(|i| links.others[place + i]);
+    if mass <= 0.0 {
+        return Ok(None);
+    }
+    let centre = [x, y, z].map(|h| h / mass);
+    let covariance = links.covariance.fixed_view::<4, 4>(first, first).into_owned();
+    for row in results.iter_mut().flat_map(|r| &mut r.arm) {
+        let axis = ["payload_centre_x", "payload_centre_y", "payload_centre_z"]
+            .iter()
+            .position(|name| *name == row.name);
+        // c = h / m, and its slopes over m and h.
+        let (value, slope) = match axis {
+            Some(k) => {
+                let mut slope = Vector4::zeros();
+                (slope[0], slope[k + 1]) = (-centre[k] / mass, 1.0 / mass);
+                (centre[k], slope)
+            }
+            None if row.name == "payload_mass" => (mass, Vector4::x()),
+            None => continue,
+        };
+        judge::set(row, value, slope.dot(&(covariance * slope)).sqrt());
+    }
+    Ok(Some(links.spread))
 }
 
 /// What one joint says of the shared parameters: `left` is its problem without their torque.
@@ -192,25 +288,4 @@ fn of_joint(
     let gram = DMatrix::from_fn(n, n, |i, k| gram[(i.min(k), i.max(k))]);
     let pull = DVector::from_fn(n, |i, _| weight * dot(&columns[i], &y));
     Information { gram, pull }
-}
-
-/// Of `count` parameters from `first` on, whatever the others are.
-fn marginal(all: &Information, first: usize, count: usize) -> Information {
-    let n = all.gram.nrows();
-    let (own, other): (Vec<usize>, Vec<usize>) =
-        (0..n).partition(|i| (first..first + count).contains(i));
-    let part =
-        |rows: &[usize], columns: &[usize]| all.gram.select_rows(rows).select_columns(columns);
-    if other.is_empty() {
-        return all.clone();
-    }
-    let cross = part(&own, &other);
-    let Ok(inverse) = part(&other, &other).pseudo_inverse(f64::MIN_POSITIVE) else {
-        return Information { gram: part(&own, &own), pull: all.pull.select_rows(&own) };
-    };
-    let taken = &cross * inverse;
-    Information {
-        gram: part(&own, &own) - &taken * cross.transpose(),
-        pull: all.pull.select_rows(&own) - taken * all.pull.select_rows(&other),
-    }
 }

@@ -15,7 +15,9 @@ use nalgebra::DMatrix;
 
 use super::problem::{JointProblem, Parameter};
 use super::{Interval, ParameterEstimate};
-use crate::statistics::{Inference, Inferences, StatisticsError, infer};
+use crate::statistics::{
+    Inference, Inferences, StatisticsError, infer, normal_quantile, normal_two_sided,
+};
 
 /// Of all intervals and tests: the paper's 99 %.
 pub const LEVEL: f64 = 0.99;
@@ -161,6 +163,14 @@ pub fn give_up(row: &mut ParameterEstimate, why: String) {
     (row.asymptotic, row.paper) = (all, all);
     row.identifiable = false;
     row.why_not = Some(why);
+}
+
+/// A row of a value that is as good as normal with this standard error.
+pub fn set(row: &mut ParameterEstimate, value: f64, standard_error: f64) {
+    let half = normal_quantile(1.0 - LEVEL) * standard_error;
+    (row.value, row.low, row.high) = (value, value - half, value + half);
+    row.statistic = value / standard_error;
+    row.p = normal_two_sided(row.statistic).p;
 }
 
 /// Estimates of which the data say nothing.

@@ -23,6 +23,7 @@ mod tables;
 mod terms;
 #[doc(hidden)]
 pub mod testing;
+mod torque_scale;
 mod verdict;
 
 use serde::Serialize;
@@ -31,12 +32,13 @@ pub use arm::{Method, Search, Settings, identify};
 pub use assemble::{ArmProblem, BoundsByName, assemble, assemble_around};
 pub use error::IdentificationError;
 pub use fitted::fitted_twin;
-pub use inertia::Inertial;
+pub use inertia::{Inertial, payload_beside_links};
 pub use judge::LEVEL;
 pub use located::{Located, settle};
 pub use posterior::Posterior;
 pub use reduce::{Dropped, reduce};
 pub use terms::{PAPER_LAW, Terms};
+pub use torque_scale::{Gain, Load, TorqueScale, torque_scale};
 pub use verdict::verdict;
 
 /// What one method found, all joints.

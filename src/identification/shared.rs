@@ -7,6 +7,7 @@
 //! each joint to what phi leaves; a few rounds converge.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::arm::Prepared;
 use super::assemble::ArmProblem;
@@ -91,6 +92,21 @@ pub fn take_off(arm: &ArmProblem, phi: &[f64]) -> Vec<JointProblem> {
         }
     }
     joints
+}
+
+impl Found {
+    /// By least squares: what is shared, and every joint's own values beside it.
+    ///
+    /// # Errors
+    /// If bounds are the wrong way round.
+    pub fn of(arm: &ArmProblem) -> Result<Self, IdentificationError> {
+        let settings = separable::Settings::default();
+        let shared = solve(arm, &settings)?;
+        let own = |p: JointProblem| Ok(Prepared::new(p)?.separable(&settings).x);
+        let joints: Result<_, IdentificationError> =
+            take_off(arm, &shared).into_par_iter().map(own).collect();
+        Ok(Self { joints: joints?, shared })
+    }
 }
 
 /// All joints in one system: rows weighted by 1/sigma_j, own columns of every joint, shared last.

@@ -7,5 +7,5 @@ mod posterior;
 mod pseudo_inertia;
 
 pub use base::BaseParameters;
-pub use posterior::{Estimate, Information, estimate};
+pub use posterior::{Estimate, Information, estimate, estimate_within};
 pub use pseudo_inertia::{is_possible, made_possible};

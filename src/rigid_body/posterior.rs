@@ -19,7 +19,8 @@ use super::parameters::PER_LINK;
 use super::pseudo_inertia::{Frame, divergence};
 use crate::robot::Robot;
 
-/// What data say of the base parameters: log-likelihood = - beta^T H beta / 2 + pull^T beta.
+/// What data say of the base parameters, and of others after them that have no model to stay near:
+/// log-likelihood = - beta^T H beta / 2 + pull^T beta.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Information {
     /// H
@@ -32,6 +33,9 @@ pub struct Information {
 pub struct Estimate {
     /// As in [`super::parameters::of`].
     pub parameters: DVector<f64>,
+    /// Those after the base parameters.
+    pub others: DVector<f64>,
+    /// Of the links' parameters and the others after them.
     pub covariance: DMatrix<f64>,
     /// Standard deviation of a link's mass from the model's, as a share of it, that the data call for.
     pub spread: f64,
@@ -60,7 +64,7 @@ pub fn estimate(
     each.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
 }
 
-/// The same where a link's mass is known to the share `spread`.
+/// The same where links are known to the share `spread` of their masses.
 pub fn estimate_within(
     robot: &Robot,
     base: &BaseParameters,
@@ -70,8 +74,9 @@ pub fn estimate_within(
     Problem::new(robot, base, information, None)?.solve(spread)
 }
 
-/// In whitened coordinates.
+/// In whitened coordinates of the links, then the others.
 struct Problem {
+    links: usize,
     /// From coordinates to parameters.
     map: DMatrix<f64>,
     gram: DMatrix<f64>,
@@ -85,30 +90,37 @@ impl Problem {
         information: &Information,
         total_mass: Option<f64>,
     ) -> Option<Self> {
-        let n = PER_LINK * robot.dof();
-        let mut map = DMatrix::zeros(n, n);
+        let links = PER_LINK * robot.dof();
+        let others = information.pull.len() - base.len();
+        let n = links + others;
+        let mut map = DMatrix::identity(n, n);
         for (i, body) in robot.bodies.iter().enumerate() {
             let frame = Frame::of(&body.inertia)?;
             let place = (PER_LINK * i, PER_LINK * i);
             map.view_mut(place, (PER_LINK, PER_LINK)).copy_from(&frame.to_parameters);
         }
-        let seen = &base.grouping * &map;
+        let mut grouping = DMatrix::zeros(base.len() + others, n);
+        grouping.view_mut((0, 0), (base.len(), links)).copy_from(&base.grouping);
+        grouping.view_mut((base.len(), links), (others, others)).fill_with_identity();
+        let seen = &grouping * &map;
         let mut gram = seen.tr_mul(&(&information.gram * &seen));
         let mut pull = seen.tr_mul(&information.pull);
         if let Some(mass) = total_mass {
-            let masses = DVector::from_fn(n, |i, _| f64::from(u8::from(i % PER_LINK == 0)));
+            let is_mass = |i: usize| i < links && i % PER_LINK == 0;
+            let masses = DVector::from_fn(n, |i, _| f64::from(u8::from(is_mass(i))));
             let row = map.tr_mul(&masses);
             let weight = (TOTAL_MASS * mass).powi(-2);
             gram += &row * row.transpose() * weight;
             pull += row * (weight * mass);
         }
-        Some(Self { map, gram, pull })
+        Some(Self { links: robot.dof(), map, gram, pull })
     }
 
     fn solve(&self, spread: f64) -> Option<Estimate> {
         let weight = 0.25 * spread.powi(-2);
-        let links = self.map.nrows() / PER_LINK;
-        let mut x = DVector::from_vec(Frame::origin().repeat(links));
+        let (links, others) = (self.links, self.map.nrows() - PER_LINK * self.links);
+        let origin = Frame::origin().repeat(links).into_iter().chain(vec![0.0; others]);
+        let mut x = DVector::from_iterator(self.map.nrows(), origin);
         let mut now = self.at(&x, weight)?;
         for _ in 0..MOST_STEPS {
             let step = -now.hessian.clone().cholesky()?.solve(&now.gradient);
@@ -123,8 +135,10 @@ impl Problem {
         let log_det = 2.0 * cholesky.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
         let laplace = 0.5 * (x.len() as f64 * (2.0 * std::f64::consts::PI).ln() - log_det);
         let log_evidence = -now.value - links as f64 * log_normaliser(weight) + laplace;
+        let all = &self.map * &x;
         Some(Estimate {
-            parameters: &self.map * &x,
+            parameters: all.rows(0, PER_LINK * links).into_owned(),
+            others: all.rows(PER_LINK * links, others).into_owned(),
             covariance: &self.map * cholesky.inverse() * self.map.transpose(),
             spread,
             log_evidence,
@@ -157,7 +171,8 @@ impl Problem {
         let mut value = 0.5 * x.dot(&pushed) - x.dot(&self.pull);
         let mut gradient = pushed - &self.pull;
         let mut hessian = self.gram.clone();
-        for (i, own) in x.as_slice().as_chunks::<PER_LINK>().0.iter().enumerate() {
+        let coordinates = x.as_slice().as_chunks::<PER_LINK>().0;
+        for (i, own) in coordinates.iter().take(self.links).enumerate() {
             let (v, g, h) = divergence(own)?;
             let place = PER_LINK * i;
             value += weight * v;
@@ -238,6 +253,23 @@ mod tests {
         let off = estimate(&wrong(&truth), &base, &data, None).unwrap().spread;
         assert!((0.07..=0.6).contains(&off), "{off}");
         assert!(estimate(&truth, &base, &data, None).unwrap().spread <= 0.01);
+    }
+
+    /// Two values that the data give outright, beside links that they know.
+    #[test]
+    fn others_are_found_beside_the_links() {
+        let robot = builtin("ur5").unwrap();
+        let base = BaseParameters::of(&robot, false);
+        let n = base.len();
+        let links = told(&base, &robot, 1e3);
+        let mut gram = links.gram.resize(n + 2, n + 2, 0.0);
+        (gram[(n, n)], gram[(n + 1, n + 1)]) = (4.0, 100.0);
+        let mut pull = links.pull.resize_vertically(n + 2, 0.0);
+        (pull[n], pull[n + 1]) = (8.0, -50.0);
+        let found = estimate(&robot, &base, &Information { gram, pull }, None).unwrap();
+        assert!((found.others - DVector::from_vec(vec![2.0, -0.5])).amax() < 1e-9);
+        assert!((found.covariance[(60, 60)] - 0.25).abs() < 1e-9);
+        assert!((found.parameters - parameters::of(&robot)).amax() < 1e-6);
     }
 
     #[test]

@@ -23,6 +23,7 @@ mod picture;
 mod readme;
 mod real;
 mod recording;
+mod rigid_body;
 mod robots;
 mod round_trip;
 mod shell;

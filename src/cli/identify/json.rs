@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::Report;
 use super::inertia::RigidBody;
 use crate::files::write_whole;
-use crate::identification::{self, Dropped, Located, MethodResult, Settings};
+use crate::identification::{self, Dropped, Located, MethodResult, Settings, TorqueScale};
 use crate::recording::Provenance;
 use crate::signals::Conditioning;
 
@@ -31,6 +31,10 @@ struct Document<'a> {
     dropped: Option<&'a [Dropped]>,
     methods: &'a [MethodResult],
     verdict: Vec<String>,
+    /// The drives' gains by a known load; null without one.
+    torque_scale: Option<&'a TorqueScale>,
+    /// With a payload: how far links may be from the model's, as a share of a mass.
+    links_spread: Option<f64>,
     /// The rigid body; null without `inertia`.
     inertia: Option<&'a RigidBody>,
 }
@@ -91,6 +95,8 @@ pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
         dropped: report.dropped,
         methods: report.results,
         verdict: report.results.last().map(identification::verdict).unwrap_or_default(),
+        torque_scale: report.scaled.map(|s| &s.scale),
+        links_spread: report.links_spread,
         inertia: report.rigid_body,
     };
     let text = serde_json::to_string_pretty(&document)?;

@@ -4,12 +4,14 @@ mod inertia;
 mod json;
 mod page;
 mod print;
+mod scale;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
 use inertia::{Beside, Fitted, RigidBody};
+use scale::{LoadArgs, Scaled};
 
 use super::conditioning::ConditioningArgs;
 use super::save;
@@ -39,6 +41,7 @@ use crate::twin::Twin;
   armtwin identify fit.csv --method pso,nlse,mcmc
   armtwin identify fit.csv --check check.csv --method nlse --with inertia,load_friction \
       --save-urdf arm.urdf --save-twin arm.toml
+  armtwin identify empty.csv --loaded loaded.csv --payload 2.805kg --save-twin scaled.toml
   armtwin identify fit.csv --method nlse --bounds stribeck_velocity=0.01:0.2")]
 pub struct Args {
     /// Recording to fit: file, or folder with one log per signal
@@ -89,6 +92,8 @@ pub struct Args {
     #[arg(long, value_name = "KG", allow_hyphen_values = true)]
     total_mass: Option<f64>,
     #[command(flatten)]
+    load: LoadArgs,
+    #[command(flatten)]
     conditioning: ConditioningArgs,
 }
 
@@ -135,6 +140,10 @@ pub(super) struct Report<'a> {
     /// With `--reduce`, the terms that were taken out.
     pub dropped: Option<&'a [Dropped]>,
     pub results: &'a [MethodResult],
+    /// With a loaded run.
+    pub scaled: Option<&'a Scaled>,
+    /// With a payload: how far links may be from the model's, as a share of a mass.
+    pub links_spread: Option<f64>,
     /// With `inertia`.
     pub rigid_body: Option<&'a RigidBody>,
 }
@@ -161,8 +170,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
     let terms = args.terms(&twin)?;
     let conditioning = args.conditioning.conditioning();
+    let fit = args.read(&args.recording, &twin, &conditioning)?;
+    let scaled = args.scaled(&twin, &terms, &fit, &conditioning)?;
+    let twin = scaled.as_ref().map_or(twin, |s| s.twin.clone());
     let read = |path: &Path| args.read(path, &twin, &conditioning);
-    let (fit, check) = (read(&args.recording)?, args.check.as_deref().map(read).transpose()?);
+    let fit = if scaled.is_some() { read(&args.recording)? } else { fit };
+    let check = args.check.as_deref().map(read).transpose()?;
     let settings = args.settings();
     let (around, located) = locate(&fit.1, &twin, &terms, &settings)?;
     let assembled = |read| args.assembled(read, &around, &terms, &located);
@@ -182,6 +195,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         identification::identify(&fit.problem, check.as_ref().map(|c| &c.problem), &settings)?;
     let body = |i| beside.rigid_body(i, &mut results, given, &fit, check.as_ref());
     let rigid_body = inertial.as_ref().map(body).transpose()?;
+    let (problem, samples) = (&fit.problem, &fit.samples);
+    let links_spread =
+        identification::payload_beside_links(problem, samples, &around, &terms, &mut results)?;
     let report = Report {
         args,
         twin: &twin,
@@ -194,6 +210,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         check: check.as_ref(),
         dropped: dropped.as_deref(),
         results: &results,
+        scaled: scaled.as_ref(),
+        links_spread,
         rigid_body: rigid_body.as_ref(),
     };
     print::print(&report);

@@ -1,6 +1,6 @@
 //! Tables of an identification for people.
 
-use super::{Loaded, Report, inertia};
+use super::{Loaded, Report, inertia, scale};
 use crate::identification::{
     self, Dropped, Interval, JointEstimate, Located, MethodResult, ParameterEstimate,
 };
@@ -11,6 +11,9 @@ pub fn print(report: &Report<'_>) {
     println!("robot    {}", report.twin.source);
     print_source("fit", report.fit);
     report.check.iter().for_each(|c| print_source("check", c));
+    if let Some(scaled) = report.scaled {
+        println!("loaded   {}", scaled.loaded.provenance.source);
+    }
     println!("fitted   {}", report.terms.names().join(", "));
     if report.args.twin.is_some() && report.args.terms.is_empty() && report.args.with.is_empty() {
         println!(
@@ -20,8 +23,16 @@ pub fn print(report: &Report<'_>) {
     searched(report.located).iter().for_each(|line| println!("searched {line}"));
     println!("signals  {}", signals(report));
     report.dropped.iter().for_each(|d| print_dropped(d));
+    report.scaled.iter().for_each(|scaled| scale::print(scaled));
     for result in report.results {
         print_method(result);
+    }
+    if let Some(spread) = report.links_spread {
+        println!(
+            "\npayload: beside links within {:.1} % of the model's, as these data call for; a twin that \
+             is saved has the value that fits best with the model's links",
+            100.0 * spread
+        );
     }
     report.rigid_body.iter().for_each(|body| inertia::print(body));
     if let Some(result) = report.results.last() {
