@@ -5,7 +5,12 @@
 use std::hint::black_box;
 
 use armtwin::identification::quadratic::QuadraticCost;
-use armtwin::identification::{problem::JointProblem, pso, separable, testing};
+use armtwin::identification::{
+    BoundsByName, Found, Inertial, Terms, assemble, problem::JointProblem, pso, separable, testing,
+};
+use armtwin::series::JointSeries;
+use armtwin::signals::{Conditioning, Samples};
+use armtwin::twin::Twin;
 use criterion::{Criterion, criterion_group, criterion_main};
 use rayon::prelude::*;
 
@@ -60,5 +65,64 @@ fn costs(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, searches, costs);
+/// A UR5 with one link more, and what it shows in a minute at 125 Hz.
+fn seven_joints() -> (Twin, Samples) {
+    let mut twin = Twin::default();
+    let mut last = twin.robot.bodies[5].clone();
+    last.parent = Some(5);
+    last.joint.placement = last.joint.placement.compose(&twin.robot.bodies[4].joint.placement);
+    twin.robot.bodies.push(last);
+    let drive = &mut twin.drive;
+    drive.gear_ratio.push(101.0);
+    drive.torque_constant.push(0.09);
+    drive.rotor_inertia.push(0.0);
+    let (n, dt) = (7500, 0.008);
+    let wave = |f: fn(f64, f64) -> f64| {
+        let at = |j: usize| {
+            let w = 0.9 + 0.23 * j as f64;
+            (0..n).map(|k| f(w, w * k as f64 * dt)).collect::<Vec<f64>>()
+        };
+        JointSeries::from_joints(&(0..7).map(at).collect::<Vec<_>>())
+    };
+    let mut samples = Samples {
+        dt,
+        start: 0.0,
+        q: wave(|_, a| a.sin()),
+        qd: wave(|w, a| w * a.cos()),
+        qdd: wave(|w, a| -w * w * a.sin()),
+        torque: JointSeries::zeros(7, n),
+        sensed: None,
+        temperature: None,
+        usable: vec![true; n],
+        conditioning: Conditioning::default(),
+        notes: Vec::new(),
+    };
+    samples.torque = twin.torque(&twin.motion(&samples));
+    (twin, samples)
+}
+
+/// Base parameters beside friction, rotors and offsets, and the links that bodies can have.
+fn links(twin: &Twin, samples: &Samples) -> f64 {
+    let names = ["coulomb", "viscous", "rotor_inertia", "current_offset"];
+    let terms = Terms::named(names.into_iter()).expect("they are in the catalogue");
+    let mut arm = assemble(samples, twin, &terms, &BoundsByName::new()).expect("a whole recording");
+    let mut inertial = Inertial::of(twin, &terms);
+    inertial.attach(&mut arm, samples, twin).expect("a whole recording");
+    let found = Found::of(&arm).expect("bounds of the catalogue");
+    inertial.links_of(&arm, &found, &twin.robot, None).expect("possible links").spread
+}
+
+fn rigid_body(c: &mut Criterion) {
+    let (twin, samples) = seven_joints();
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    let mut group = c.benchmark_group("links of seven joints, 60 s at 125 Hz");
+    group.sample_size(10);
+    group.bench_function("one thread", |b| {
+        b.iter(|| one.install(|| black_box(links(&twin, &samples))));
+    });
+    group.bench_function("all threads", |b| b.iter(|| black_box(links(&twin, &samples))));
+    group.finish();
+}
+
+criterion_group!(benches, searches, costs, rigid_body);
 criterion_main!(benches);

@@ -185,8 +185,8 @@ impl Stretch<'_, '_> {
 mod tests {
     use super::*;
     use crate::diagnosis::floor::noise_floor;
-    use crate::diagnosis::testing::samples;
     use crate::signals::Samples;
+    use crate::signals::testing::samples;
     use crate::twin::Twin;
 
     const FORCE_N: [f64; 3] = [12.0, -20.0, 8.0];

@@ -321,8 +321,8 @@ pub fn expected(data: &Data<'_>, candidate: Candidate, columns: &[Raw]) -> Vec<f
 mod tests {
     use super::*;
     use crate::diagnosis::floor::noise_floor;
-    use crate::diagnosis::testing::samples;
     use crate::effects::find;
+    use crate::signals::testing::samples;
     use crate::twin::Twin;
 
     const GAIN: f64 = 0.2;

@@ -193,8 +193,8 @@ mod tests {
     use rand_distr::{Distribution, Normal};
 
     use super::*;
-    use crate::diagnosis::testing::samples;
     use crate::recording::{Channel, Provenance, Recording};
+    use crate::signals::testing::samples;
     use crate::signals::{Conditioning, condition};
 
     const SIGMA_NM: f64 = 2.0;

@@ -110,7 +110,7 @@ mod tests {
 
     use super::*;
     use crate::diagnosis::FloorFrom;
-    use crate::diagnosis::testing::samples;
+    use crate::signals::testing::samples;
 
     fn swinging() -> Samples {
         samples(6, 7500, |j, t| 0.7 * (TAU * t / (5.0 + j as f64)).sin())

@@ -105,9 +105,9 @@ mod tests {
     use crate::diagnosis::candidate::{Place, Term};
     use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::observed::Observed;
-    use crate::diagnosis::testing::{noisy, samples};
     use crate::effects::find;
     use crate::signals::Samples;
+    use crate::signals::testing::{noisy, samples};
     use crate::twin::Twin;
 
     const JOINT: usize = 2;

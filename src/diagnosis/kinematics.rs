@@ -245,9 +245,9 @@ mod tests {
     use rayon::prelude::*;
 
     use super::*;
-    use crate::diagnosis::testing::samples;
     use crate::diagnosis::{conditioning, noise_floor};
     use crate::recording::Recording;
+    use crate::signals::testing::samples;
     use crate::signals::{Samples, Sensed, condition};
     use crate::simulation::{Scenario, Simulation};
     use crate::twin::{PerJoint, Twin};

@@ -108,7 +108,7 @@ mod tests {
     use crate::diagnosis::data::Data;
     use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::model::Model;
-    use crate::diagnosis::testing::{noisy, samples};
+    use crate::signals::testing::{noisy, samples};
     use crate::twin::Twin;
 
     const LINK: usize = 2;

@@ -40,8 +40,6 @@ mod search;
 mod shrink;
 mod slopes;
 mod slow;
-#[cfg(test)]
-mod testing;
 mod touches;
 mod traces;
 mod unexplained;

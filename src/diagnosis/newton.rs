@@ -93,8 +93,8 @@ mod tests {
     use crate::diagnosis::observed::Observed;
     use crate::diagnosis::refine::refine;
     use crate::diagnosis::screen::screen;
-    use crate::diagnosis::testing::samples;
     use crate::effects::find;
+    use crate::signals::testing::samples;
     use crate::twin::Twin;
 
     /// Stiffness, hysteresis, rest angle and slip angle of a cable make up for each other.

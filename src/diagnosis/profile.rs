@@ -129,8 +129,8 @@ mod tests {
     use crate::diagnosis::model::Model;
     use crate::diagnosis::observed::Observed;
     use crate::diagnosis::screen::screen;
-    use crate::diagnosis::testing::{noisy, samples};
     use crate::effects::find;
+    use crate::signals::testing::{noisy, samples};
     use crate::twin::Twin;
 
     const JOINT: usize = 2;

@@ -303,8 +303,8 @@ mod tests {
     use crate::diagnosis::model::Model;
     use crate::diagnosis::observed::Observed;
     use crate::diagnosis::screen::screen;
-    use crate::diagnosis::testing::samples;
     use crate::effects::find;
+    use crate::signals::testing::samples;
 
     /// The drive's rotor may be lighter than the twin's; it cannot be lighter than none.
     #[test]

@@ -79,7 +79,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::diagnosis::testing::samples;
+    use crate::signals::testing::samples;
 
     fn wave(cycle_s: f64, slip: f64) -> Samples {
         samples(2, 5000, |j, t| {

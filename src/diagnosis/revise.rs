@@ -89,8 +89,8 @@ mod tests {
     use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::model::Model;
     use crate::diagnosis::observed::Observed;
-    use crate::diagnosis::testing::{noisy, samples};
     use crate::effects::find;
+    use crate::signals::testing::{noisy, samples};
     use crate::twin::Twin;
 
     const DELAY_S: f64 = 0.03;

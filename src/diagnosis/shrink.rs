@@ -107,7 +107,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::diagnosis::testing::samples;
+    use crate::signals::testing::samples;
 
     /// Residuals of a size per joint at all times, signs as they come.
     fn constant(made: &Samples, size: [f64; 2]) -> JointSeries {

@@ -60,9 +60,9 @@ mod tests {
     use crate::diagnosis::candidate::{Candidate, Place};
     use crate::diagnosis::refine::refine;
     use crate::diagnosis::screen::screen;
-    use crate::diagnosis::testing::{noisy, samples};
     use crate::effects::find;
     use crate::signals::SavitzkyGolay;
+    use crate::signals::testing::{noisy, samples};
     use crate::twin::Twin;
 
     const JOINT: usize = 3;

@@ -80,8 +80,8 @@ fn in_recording(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::testing::{noisy, samples};
     use crate::robot::point_jacobian;
+    use crate::signals::testing::{noisy, samples};
 
     const FORCE_N: [f64; 3] = [20.0, -35.0, 25.0];
     const PUSH_S: [f64; 2] = [20.0, 22.0];

@@ -187,7 +187,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::diagnosis::testing::samples;
+    use crate::signals::testing::samples;
 
     #[test]
     fn time_starts_at_every_reversal() {

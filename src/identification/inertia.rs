@@ -135,7 +135,8 @@ impl Inertial {
         self.links_of(arm, &result.found, robot, total_mass)
     }
 
-    fn links_of(
+    /// The same from what was `found` by [`Found::of`].
+    pub fn links_of(
         &self,
         arm: &ArmProblem,
         found: &Found,
@@ -289,3 +290,7 @@ fn of_joint(
     let pull = DVector::from_fn(n, |i, _| weight * dot(&columns[i], &y));
     Information { gram, pull }
 }
+
+#[cfg(test)]
+#[path = "inertia_tests.rs"]
+mod tests;

@@ -266,3 +266,7 @@ fn scaled(samples: &Samples, gains: &[f64]) -> Samples {
     let torque = samples.torque.map_joints(|j, x| x.iter().map(|t| gains[j] * t).collect());
     Samples { torque, ..samples.clone() }
 }
+
+#[cfg(test)]
+#[path = "torque_scale_tests.rs"]
+mod tests;

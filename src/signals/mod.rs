@@ -162,4 +162,6 @@ impl Samples {
 }
 
 #[cfg(test)]
+pub mod testing;
+#[cfg(test)]
 mod tests;

@@ -44,8 +44,17 @@ pub fn assert_sound(page: &Path, sections: &[&str], plots: usize) {
     for section in sections {
         assert!(text.contains(&format!("<section id=\"{section}\">")), "no section {section}");
     }
-    let Some(Opened { dom, console }) = open(page) else { return };
-    assert!(console.is_empty(), "{console:#?}");
-    let drawn = dom.matches("class=\"cartesianlayer\"").count();
-    assert!(drawn >= plots, "{drawn} plots are drawn, {plots} expected at least");
+    let mut drawn = 0;
+    // On a machine that is busy a browser may give up before its scripts have run.
+    for _ in 0..ATTEMPTS {
+        let Some(Opened { dom, console }) = open(page) else { return };
+        assert!(console.is_empty(), "{console:#?}");
+        drawn = dom.matches("class=\"cartesianlayer\"").count();
+        if drawn >= plots {
+            return;
+        }
+    }
+    panic!("{drawn} plots are drawn, {plots} expected at least");
 }
+
+const ATTEMPTS: usize = 3;

@@ -279,11 +279,7 @@ pub fn print(body: &RigidBody) {
     {
         println!("rotor inertia of joint {} is told with {with} only", joint + 1);
     }
-    body.base.iter().filter_map(|b| Some((b, b.estimate.why_not.as_ref()?))).for_each(
-        |(b, why)| {
-            println!("not told: {}: {why}", b.estimate.name);
-        },
-    );
+    not_told(body).iter().for_each(|line| println!("not told: {line}"));
     println!(
         "\nLinks: the most probable ones that bodies can have; these data call for links {:.1} % from \
          the model's",
@@ -297,6 +293,19 @@ pub fn print(body: &RigidBody) {
     header.extend((1..=joints).map(|j| format!("joint {j}")));
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     println!("{}", table(&header, 2, body.torque.iter().flat_map(torque_cells)));
+}
+
+/// Which base parameters these data do not tell, one line per reason.
+fn not_told(body: &RigidBody) -> Vec<String> {
+    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
+    for e in body.base.iter().map(|b| &b.estimate) {
+        let Some(why) = e.why_not.as_deref() else { continue };
+        match reasons.iter_mut().find(|(reason, _)| *reason == why) {
+            Some((_, names)) => names.push(&e.name),
+            None => reasons.push((why, vec![&e.name])),
+        }
+    }
+    reasons.iter().map(|(why, names)| format!("{}: {why}", names.join(", "))).collect()
 }
 
 const BASE: [&str; 7] = ["parameter", "unit", "value", "99 % low", "high", "model", "stands for"];
@@ -331,8 +340,10 @@ fn torque_cells(left: &Left) -> Vec<Vec<String>> {
         cells.extend(values.iter().map(|v| format!("{v:.3}")));
         cells
     };
+    let path = std::path::Path::new(&left.recording);
+    let file = path.file_name().map_or(left.recording.clone(), |f| f.to_string_lossy().into());
     vec![
-        row(&left.recording, "as given", &left.given_nm),
+        row(&file, "as given", &left.given_nm),
         row("", "least squares", &left.least_squares_nm),
         row("", "possible links", &left.links_nm),
     ]

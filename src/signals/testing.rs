@@ -1,11 +1,11 @@
-//! Samples made by hand for the tests of this room.
+//! Samples made by hand for tests.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::{Conditioning, Samples, central_difference, second_difference};
 use crate::series::JointSeries;
-use crate::signals::{Conditioning, Samples, central_difference, second_difference};
 
 /// `joints` moving by `q(joint, time)` (rad) for `n` samples at 125 Hz, without torque; all usable
 /// but half a second at both ends.
