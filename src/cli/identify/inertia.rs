@@ -7,7 +7,6 @@ use super::{Args, Loaded};
 use crate::identification::{
     self, Inertial, LEVEL, Located, Method, MethodResult, ParameterEstimate, Settings, Terms,
 };
-use crate::report::{table, to_uncertainty};
 use crate::rigid_body::{made_possible, parameters};
 use crate::robot::{Inertia, Robot};
 use crate::statistics::normal_quantile;
@@ -21,21 +20,21 @@ pub const NAME: &str = "inertia";
 pub struct RigidBody {
     /// How many base parameters the arm has beside rotors that are fitted, and how many of them this
     /// recording tells.
-    rank: usize,
-    told: usize,
+    pub rank: usize,
+    pub told: usize,
     /// Of the base parameters' columns, each in units of what the model's links could have.
-    condition: f64,
-    base: Vec<BaseRow>,
+    pub condition: f64,
+    pub base: Vec<BaseRow>,
     /// Per joint, what its rotor inertia cannot be told from; empty where it is alone.
-    beside_rotors: Vec<String>,
+    pub beside_rotors: Vec<String>,
     /// Parameters without any torque.
-    unseen: Vec<String>,
+    pub unseen: Vec<String>,
     /// How far links are from the model's, as a share of a mass, that the data call for.
-    spread: f64,
-    links: Vec<Link>,
-    notes: Vec<String>,
+    pub spread: f64,
+    pub links: Vec<Link>,
+    pub notes: Vec<String>,
     /// Root mean square that is left at each joint, N.m.
-    torque: Vec<Left>,
+    pub torque: Vec<Left>,
     #[serde(skip)]
     pub fitted: Fitted,
 }
@@ -48,43 +47,43 @@ pub struct Fitted {
 }
 
 #[derive(Serialize)]
-struct BaseRow {
+pub struct BaseRow {
     #[serde(flatten)]
-    estimate: ParameterEstimate,
+    pub estimate: ParameterEstimate,
     /// The sum that it stands for.
-    group: String,
-    model: f64,
+    pub group: String,
+    pub model: f64,
     /// What the model's links could have.
-    size: f64,
+    pub size: f64,
 }
 
 #[derive(Serialize)]
-struct Link {
-    link: String,
-    mass_kg: Value,
-    centre_m: [f64; 3],
-    centre_model_m: [f64; 3],
+pub struct Link {
+    pub link: String,
+    pub mass_kg: Value,
+    pub centre_m: [f64; 3],
+    pub centre_model_m: [f64; 3],
     /// About the centre, [xx, xy, xz, yy, yz, zz].
-    inertia_kgm2: [f64; 6],
-    inertia_model_kgm2: [f64; 6],
+    pub inertia_kgm2: [f64; 6],
+    pub inertia_model_kgm2: [f64; 6],
 }
 
 /// 99 % interval.
 #[derive(Serialize)]
-struct Value {
-    value: f64,
-    low: f64,
-    high: f64,
-    model: f64,
+pub struct Value {
+    pub value: f64,
+    pub low: f64,
+    pub high: f64,
+    pub model: f64,
 }
 
 #[derive(Serialize)]
-struct Left {
-    recording: String,
+pub struct Left {
+    pub recording: String,
     /// By the twin as it was given, by the base parameters of least squares, by the links.
-    given_nm: Vec<f64>,
-    least_squares_nm: Vec<f64>,
-    links_nm: Vec<f64>,
+    pub given_nm: Vec<f64>,
+    pub least_squares_nm: Vec<f64>,
+    pub links_nm: Vec<f64>,
 }
 
 /// More than this from the model, and what looks like links is something else.
@@ -267,84 +266,4 @@ fn six(inertia: &Inertia) -> [f64; 6] {
 fn left(result: &MethodResult, checked: bool) -> Vec<f64> {
     let of = |j: &identification::JointEstimate| if checked { j.check } else { Some(j.fit) };
     result.joints.iter().map(|j| of(j).map_or(f64::NAN, |g| g.mse_nm2.sqrt())).collect()
-}
-
-pub fn print(body: &RigidBody) {
-    println!(
-        "\nRigid body: {} base parameters, of which this recording tells {}; condition number {:.0}",
-        body.rank, body.told, body.condition
-    );
-    println!("{}", table(&BASE, 1, body.base.iter().map(base_cells)));
-    for (joint, with) in body.beside_rotors.iter().enumerate().filter(|(_, with)| !with.is_empty())
-    {
-        println!("rotor inertia of joint {} is told with {with} only", joint + 1);
-    }
-    not_told(body).iter().for_each(|line| println!("not told: {line}"));
-    println!(
-        "\nLinks: the most probable ones that bodies can have; these data call for links {:.1} % from \
-         the model's",
-        100.0 * body.spread
-    );
-    println!("{}", table(&LINKS, 1, body.links.iter().map(link_cells)));
-    body.notes.iter().for_each(|note| println!("note: {note}"));
-    println!("\nTorque left, N.m (root mean square)");
-    let joints = body.torque.first().map_or(0, |t| t.given_nm.len());
-    let mut header = vec!["recording".to_string(), "rigid body".to_string()];
-    header.extend((1..=joints).map(|j| format!("joint {j}")));
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    println!("{}", table(&header, 2, body.torque.iter().flat_map(torque_cells)));
-}
-
-/// Which base parameters these data do not tell, one line per reason.
-fn not_told(body: &RigidBody) -> Vec<String> {
-    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
-    for e in body.base.iter().map(|b| &b.estimate) {
-        let Some(why) = e.why_not.as_deref() else { continue };
-        match reasons.iter_mut().find(|(reason, _)| *reason == why) {
-            Some((_, names)) => names.push(&e.name),
-            None => reasons.push((why, vec![&e.name])),
-        }
-    }
-    reasons.iter().map(|(why, names)| format!("{}: {why}", names.join(", "))).collect()
-}
-
-const BASE: [&str; 7] = ["parameter", "unit", "value", "99 % low", "high", "model", "stands for"];
-const LINKS: [&str; 6] = ["link", "mass kg", "99 % low", "high", "model", "centre m (model)"];
-
-fn base_cells(row: &BaseRow) -> Vec<String> {
-    let e = &row.estimate;
-    let [value, low, high] = to_uncertainty(e.value, e.low, e.high);
-    let [low, high] = if e.identifiable { [low, high] } else { ["-".into(), "-".into()] };
-    vec![
-        e.name.clone(),
-        e.unit.clone(),
-        value,
-        low,
-        high,
-        format!("{:.4}", row.model),
-        row.group.clone(),
-    ]
-}
-
-fn link_cells(link: &Link) -> Vec<String> {
-    let Value { value, low, high, model } = link.mass_kg;
-    let [value, low, high] = to_uncertainty(value, low, high);
-    let point = |p: &[f64; 3]| format!("{:.3} {:.3} {:.3}", p[0], p[1], p[2]);
-    let centre = format!("{} ({})", point(&link.centre_m), point(&link.centre_model_m));
-    vec![link.link.clone(), value, low, high, format!("{model:.3}"), centre]
-}
-
-fn torque_cells(left: &Left) -> Vec<Vec<String>> {
-    let row = |name: &str, what: &str, values: &[f64]| {
-        let mut cells = vec![name.to_string(), what.to_string()];
-        cells.extend(values.iter().map(|v| format!("{v:.3}")));
-        cells
-    };
-    let path = std::path::Path::new(&left.recording);
-    let file = path.file_name().map_or(left.recording.clone(), |f| f.to_string_lossy().into());
-    vec![
-        row(&file, "as given", &left.given_nm),
-        row("", "least squares", &left.least_squares_nm),
-        row("", "possible links", &left.links_nm),
-    ]
 }

@@ -2,6 +2,7 @@
 
 mod inertia;
 mod json;
+mod links;
 mod page;
 mod print;
 mod scale;
@@ -215,18 +216,23 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         rigid_body: rigid_body.as_ref(),
     };
     print::print(&report);
+    write(&report)
+}
+
+fn write(report: &Report<'_>) -> anyhow::Result<()> {
+    let args = report.args;
     if let Some(path) = &args.json {
-        json::write(&report, path)?;
+        json::write(report, path)?;
     }
     if let Some(path) = &args.report {
-        page::write(&report, path)?;
+        page::write(report, path)?;
     }
     if let (Some(path), Some(body)) = (&args.save_urdf, report.rigid_body) {
         save::text(path, &urdf::write(&body.fitted.around.robot))?;
         println!("\nLinks: {}", path.display());
     }
     if let Some(path) = &args.save_twin {
-        save_twin(&report, path)?;
+        save_twin(report, path)?;
     }
     Ok(())
 }

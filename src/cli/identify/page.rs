@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Context;
 
-use super::{Loaded, Report, fitted, print};
+use super::{Loaded, Report, fitted, links, print, scale};
 use crate::effects::{Scope, find};
 use crate::files::write_whole;
 use crate::identification;
@@ -25,13 +25,20 @@ pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
     let html = identification_report(&IdentificationReport {
         results: report.results,
         joints: &joints.unwrap_or_default(),
-        found: &report.results.last().map_or(Vec::new(), identification::verdict),
+        found: &found(report),
         dropped: &report.dropped.map_or(Vec::new(), print::dropped),
         facts: &facts(report),
         files: &files,
     });
     write_whole(path, |out| out.write_all(html.as_bytes()))
         .with_context(|| format!("--report {}", path.display()))
+}
+
+fn found(report: &Report<'_>) -> Vec<String> {
+    let joints = report.results.last().map_or(Vec::new(), identification::verdict);
+    let scale = report.scaled.map_or(Vec::new(), scale::lines);
+    let body = report.rigid_body.map_or(Vec::new(), links::lines);
+    joints.into_iter().chain(scale).chain(body).collect()
 }
 
 /// What the joints need beyond what moves the masses: as recorded, and as the twin has it.

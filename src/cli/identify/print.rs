@@ -1,6 +1,6 @@
 //! Tables of an identification for people.
 
-use super::{Loaded, Report, inertia, scale};
+use super::{Loaded, Report, links, scale};
 use crate::identification::{
     self, Dropped, Interval, JointEstimate, Located, MethodResult, ParameterEstimate,
 };
@@ -34,7 +34,7 @@ pub fn print(report: &Report<'_>) {
             100.0 * spread
         );
     }
-    report.rigid_body.iter().for_each(|body| inertia::print(body));
+    report.rigid_body.iter().for_each(|body| links::print(body));
     if let Some(result) = report.results.last() {
         println!("\nWhat {} found", result.method);
         identification::verdict(result).iter().for_each(|line| println!("  {line}"));

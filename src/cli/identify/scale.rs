@@ -121,6 +121,19 @@ pub fn print(scaled: &Scaled) {
     }
 }
 
+/// Joint by joint, in words.
+pub fn lines(scaled: &Scaled) -> Vec<String> {
+    let told = scaled.scale.joints.iter().filter(|gain| gain.identifiable);
+    let line = |gain: &Gain| {
+        let [value, low, high] = to_uncertainty(gain.value, gain.low, gain.high);
+        format!(
+            "joint {}: {value} times the twin's torque per ampere ({low} to {high}), {:.3} N.m/A",
+            gain.joint, gain.torque_per_ampere
+        )
+    };
+    told.map(line).collect()
+}
+
 const HEADER: [&str; 6] = ["joint", "times the twin's", "99 % low", "high", "N.m/A", ""];
 
 fn cells(gain: &Gain) -> Vec<String> {
