@@ -246,7 +246,7 @@ fn damaged_bags_never_panic() {
 /// gravity is that of one arm only, and never told wrongly.
 #[test]
 fn gravity_tells_current_from_torque() {
-    let arms = effort::arms(None, true).unwrap();
+    let arms = effort::arms(&BagMap::default(), true).unwrap().0;
     for arm in &arms {
         let samples = 2000;
         let q: Vec<Vec<f64>> = (0..6)
