@@ -100,7 +100,8 @@ fn a_urdf_counts_from_the_folder_of_the_twin() {
 /// A chain of a URDF: read by its keys, kept with the notes when saved, and refused by key.
 #[test]
 fn an_arm_inside_a_larger_robot_is_named_by_base_and_tip() {
-    let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/chain.urdf");
+    let urdf =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/robots/cart_with_two_arms.urdf");
     let text = |chain: &str| {
         format!("robot = {urdf:?}\n{chain}\n[drive]\ngear_ratio = 100\ntorque_constant = 0.1\n")
     };

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Golden numbers for arms inside a larger robot, from pinocchio, for tests/golden/chain.urdf.
+"""Golden numbers for arms inside a larger robot, from pinocchio, of
+scenarios/robots/cart_with_two_arms.urdf.
 
     python tests/golden/chain.py        # writes tests/golden/chain.json
 
@@ -14,6 +15,7 @@ import numpy as np
 import pinocchio as pin
 
 HERE = pathlib.Path(__file__).parent
+ROBOT = HERE / "../../scenarios/robots/cart_with_two_arms.urdf"
 # Base, tip, and the joints between them.
 CHAINS = [
     ("left_mount", "left_hand", ["left_pan", "left_lift", "left_roll"]),
@@ -25,7 +27,7 @@ STATES = 3
 
 
 def main():
-    model = pin.buildModelFromUrdf(str(HERE / "chain.urdf"))
+    model = pin.buildModelFromUrdf(str(ROBOT))
     data = model.createData()
     rng = np.random.default_rng(2026)
     cases = []

@@ -49,9 +49,13 @@ impl Chain {
         let joints = joints(tree, base, tip)?;
         joints.iter().try_for_each(|joint| refuse_stranger(joint, &joints))?;
         if !joints.iter().any(|j| j.turns()) {
+            let place = match tip == base {
+                true => format!("below `{base}`"),
+                false => format!("from `{base}` to `{tip}`"),
+            };
             return Err(tree.file.structure(format!(
-                "has no moving joint from `{base}` to `{tip}`; an arm needs joints of type revolute \
-                 or continuous (--base and --tip choose the chain)"
+                "has no moving joint {place}; an arm needs joints of type revolute or continuous \
+                 (--base and --tip choose the chain)"
             )));
         }
         Ok(Path { base, joints })

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::super::{Chain, read, write};
 use crate::robot::{Workspace, flange_placement, inverse_dynamics};
 
-const CART: &str = include_str!("../../../../tests/golden/chain.urdf");
+const CART: &str = include_str!("../../../../scenarios/robots/cart_with_two_arms.urdf");
 
 #[derive(Deserialize)]
 struct File {
