@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     use anyhow::Context;
 
     use super::stream::Deliveries;
-    use crate::{recording, twin::Twin, viewer::write_rrd};
+    use crate::{recording, viewer::write_rrd};
 
     let recording = recording::read(&args.recording, args.columns.as_deref())?;
     let twin = super::twin::load(args.twin.as_deref())?;

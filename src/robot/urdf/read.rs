@@ -243,11 +243,15 @@ fn check_mass(tree: &Tree, body: &Body) -> Result<(), RobotError> {
              a URDF with masses, or add them",
         ));
     }
+    let before = tree.above(&body.name).filter(|_| body.parent.is_some());
+    let tip = before.map_or(String::new(), |joint| {
+        format!(", or end the chain before it (--tip {})", joint.parent)
+    });
     Err(tree.file.link(
         &body.name,
         format!(
-            "moves with joint `{}` but has no mass; give its <inertial> a positive mass, make the \
-             joint fixed, or end the chain before it (--tip LINK)",
+            "moves with joint `{}` but has no mass; give its <inertial> a positive mass or make the \
+             joint fixed{tip}",
             body.joint.name
         ),
     ))

@@ -40,9 +40,12 @@ pub(super) fn choose<'a>(
         }
         _ => {
             let links: Vec<_> = ends.iter().map(|e| e.link).collect();
-            let joints = ends.first().map_or(0, |e| e.joints);
+            let joints = match ends.first().map_or(0, |e| e.joints) {
+                1 => "one joint".into(),
+                more => format!("{more} joints"),
+            };
             Err(tree.file.structure(format!(
-                "has several chains of {joints} joints, they end at {}; say which is meant with \
+                "has several chains of {joints}, they end at {}; say which is meant with \
                  --tip LINK (in a twin, tip = \"LINK\")",
                 listed(&links)
             )))

@@ -188,7 +188,8 @@ fn a_link_without_mass_has_that_of_what_is_fixed_to_it() {
     assert_eq!(found.robot.bodies[1].inertia.mass, 2.0);
     assert_says(&["link `lower`: no mass of its own"], &found.notes.join("\n"));
     let without = sound().replacen(&format!("lower\">{INERTIAL}"), "lower\">", 1);
-    assert_says(&["link `lower`", "joint `lift`", "no mass"], &refusal(&without));
+    let words = ["link `lower`", "joint `lift`", "no mass", "(--tip upper)"];
+    assert_says(&words, &refusal(&without));
     let kinematic = arm("INERTIAL", "");
     assert_says(&["no <inertial> in any link", "masses"], &refusal(&kinematic));
 }
