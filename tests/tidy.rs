@@ -80,6 +80,7 @@ fn third_party_types_stay_at_their_edge() {
         ("rapier3d_f64", &["simulation"][..]),
         ("rerun", &["viewer"]),
         ("clap", &["cli"]),
+        ("roxmltree", &["urdf"]),
         ("mcap", &["recording"]),
         ("rusqlite", &["recording"]),
         ("zstd", &["recording"]),

@@ -7,7 +7,7 @@ use indicatif::ProgressBar;
 
 use super::save;
 use crate::effects::JointLoad;
-use crate::robot::{self, Robot};
+use crate::robot::Robot;
 use crate::simulation::accuracy::{Bench, Costs, Friction, Study};
 use crate::simulation::{Experiment, Plant, Reference, Scenario, Simulation};
 
@@ -28,12 +28,12 @@ const SCENARIO: &str = "scenarios/ur5_friction.toml";
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let scenario = Scenario::parse(include_str!("../../scenarios/ur5_friction.toml"), SCENARIO)?;
     let made = scenario.work_out(SCENARIO)?;
-    let robot = robot::load(&scenario.robot)?;
+    let robot = &made.setup.robot;
     let bar = ProgressBar::new_spinner();
     bar.enable_steady_tick(std::time::Duration::from_millis(100));
-    let study = Study::run(&robot, &made, &mut |what| bar.set_message(what.to_string()))?;
+    let study = Study::run(robot, &made, &mut |what| bar.set_message(what.to_string()))?;
     bar.set_message("cost of a step");
-    let costs = costs(&robot, &made)?;
+    let costs = costs(robot, &made)?;
     bar.finish_and_clear();
     if let Some(json) = &args.json {
         let all = serde_json::json!({ "study": study, "costs": costs });

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use super::save;
 use crate::export::{Target, export};
-use crate::twin::Twin;
 
 /// Write a twin as a model for another simulator: URDF or MuJoCo's MJCF
 #[derive(clap::Args)]
@@ -38,7 +37,7 @@ enum Format {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let twin = Twin::load(&args.twin)?;
+    let twin = super::twin::load(Some(&args.twin))?;
     let target = match args.format {
         Format::Mjcf => Target::Mjcf,
         Format::Urdf => Target::Urdf,

@@ -29,6 +29,7 @@ mod simulate;
 mod stream;
 mod study;
 mod trial;
+mod twin;
 mod urdf;
 mod view;
 

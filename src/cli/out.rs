@@ -31,6 +31,13 @@ pub fn write(text: Arguments<'_>) {
     }
 }
 
+/// What was assumed where the URDF of `robot` does not say, on standard error.
+pub fn notes(robot: &str, notes: &[String]) {
+    let path = std::path::Path::new(robot);
+    let name = path.file_name().unwrap_or(path.as_os_str()).display();
+    notes.iter().for_each(|note| eprintln!("note: {name}: {note}"));
+}
+
 /// Prints blocks that are parted by empty lines, on a terminal with the first block and the first
 /// line of every other one in bold.
 pub fn page(text: &str) {

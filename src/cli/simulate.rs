@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use anyhow::{Context, bail};
 
 use super::stream::{Deliveries, Link, StreamArgs};
-use super::{interrupt, progress, save};
+use super::{interrupt, out, progress, save};
 use crate::files::write_whole;
 use crate::recording::{self, WriteOptions};
 use crate::simulation::{Command, Experiment, Run, Scenario, Simulation, Truth};
@@ -83,6 +83,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let file = args.scenario.display().to_string();
     let made = scenario.work_out(&file)?;
+    out::notes(&scenario.robot, &made.notes);
     let link = args.live.open()?;
     let ([fit, check], sent) = simulate(&made, link.as_ref()).with_context(|| file)?;
     let truth = Truth::new(&scenario, &made, &fit, &check);

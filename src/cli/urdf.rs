@@ -1,21 +1,34 @@
-//! `armtwin urdf`: the URDF made from the tables.
+//! `armtwin urdf`: the URDF of an arm alone.
 
 use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::save;
-use crate::robot::{self, Robot, urdf};
+use super::{out, save};
+use crate::robot::{self, Chain, Loaded, urdf};
 
-/// Write the URDF of a built-in arm, made from its DH and mass tables
+/// Write the URDF of a built-in arm, or of the arm in another URDF
 #[derive(clap::Args)]
-#[command(after_help = "Example: armtwin urdf --robot ur5e -o ur5e.urdf\n\n\
-    `armtwin robots` lists the built-in arms. Given a URDF file instead of a name, it is read, \
-    checked, its fixed joints merged, and written in the same form.")]
+#[command(after_help = "Examples:
+  armtwin urdf --robot ur5e -o ur5e.urdf
+  armtwin urdf --robot two_arms.urdf --base left_base --tip left_hand -o left.urdf
+
+`armtwin robots` lists the built-in arms. Given a URDF file instead of a name, its arm is read, checked
+and written in the same form: the revolute and continuous joints from base to tip. What hangs on
+them otherwise (tools, grippers, cameras) is joined to its link, with its joints held at zero. Gravity is
+along -z of the root link. What was assumed, because the file does not say or says it wrongly, is said
+on standard error and in --json. A twin, a scenario and the [bag] table of a column map have the keys
+robot, base and tip for the same.")]
 pub struct Args {
     /// Built-in name, or a URDF file to check and normalise
     #[arg(long, default_value = "ur5", value_name = "NAME")]
     robot: String,
+    /// The link the arm stands on, if its URDF has more than the arm [default: the root]
+    #[arg(long, value_name = "LINK")]
+    base: Option<String>,
+    /// The link at which the arm ends [default: the end of the longest chain]
+    #[arg(long, value_name = "LINK")]
+    tip: Option<String>,
     /// Write here instead of standard output
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -28,8 +41,15 @@ pub struct Args {
 #[derive(Serialize)]
 struct Arm<'a> {
     robot: &'a str,
+    /// The link it stands on, and the one at its flange.
+    base: &'a str,
+    tip: &'a str,
+    /// In the base's frame.
+    gravity_m_s2: [f64; 3],
     mass_kg: f64,
     joints: Vec<Moved<'a>>,
+    /// What was assumed where the URDF does not say.
+    notes: &'a [String],
 }
 
 /// A joint and the link it moves. Limits are absent where there are none.
@@ -49,10 +69,12 @@ struct Moved<'a> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let robot = robot::load(&args.robot)?;
-    let text = urdf::write(&robot);
+    let chain = Chain { base: args.base.clone(), tip: args.tip.clone() };
+    let loaded = robot::load(&args.robot, &chain)?;
+    out::notes(&args.robot, &loaded.notes);
+    let text = urdf::write(&loaded.robot);
     if let Some(path) = &args.json {
-        save::json(path, "armtwin.arm/1", &arm(&robot))?;
+        save::json(path, "armtwin.arm/1", &arm(&loaded))?;
     }
     match &args.out {
         Some(out) => save::text(out, &text),
@@ -63,7 +85,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
 }
 
-fn arm(robot: &Robot) -> Arm<'_> {
+fn arm(loaded: &Loaded) -> Arm<'_> {
+    let robot = &loaded.robot;
     let finite = |x: f64| x.is_finite().then_some(x);
     let joints = robot.bodies.iter().enumerate().map(|(j, body)| Moved {
         joint: j + 1,
@@ -77,5 +100,13 @@ fn arm(robot: &Robot) -> Arm<'_> {
         com_m: body.inertia.com.into(),
     });
     let mass_kg = robot.bodies.iter().map(|b| b.inertia.mass).sum();
-    Arm { robot: &robot.name, mass_kg, joints: joints.collect() }
+    Arm {
+        robot: &robot.name,
+        base: &loaded.base,
+        tip: &loaded.tip,
+        gravity_m_s2: robot.gravity.into(),
+        mass_kg,
+        joints: joints.collect(),
+        notes: &loaded.notes,
+    }
 }

@@ -47,7 +47,7 @@ fn every_effect_is_held_or_named() {
 fn a_urdf_holds_links_payload_and_tilt() {
     let twin = twin(&["link_inertia", "payload", "base_tilt", "coulomb", "viscous"]);
     let text = export(&twin, Target::Urdf, "t.toml").text;
-    let back = format::read(&text, "t.urdf").unwrap();
+    let back = format::read(&text, "t.urdf", &format::Chain::default()).unwrap().robot;
     assert!(text.contains("<dynamics damping=\"6\" friction=\"5\"/>"), "{text}");
     let wave = |s: f64| {
         let rows: Vec<Vec<f64>> =

@@ -2,7 +2,6 @@
 
 use super::plan::{JointPlan, Left, Load, Plan};
 use super::{number, numbers};
-use crate::robot::Placement;
 use crate::robot::urdf::{self, Additions};
 
 /// What of a [`Plan`] URDF has no element for.
@@ -41,7 +40,6 @@ pub fn left(plan: &Plan) -> Vec<Left> {
 
 pub fn write(plan: &Plan, head: &[String]) -> String {
     let mut robot = plan.robot.clone();
-    robot.gravity = plan.level_gravity;
     for (body, joint) in robot.bodies.iter_mut().zip(&plan.joints) {
         if joint.torque_limit.is_finite() {
             body.joint.limits.effort = joint.torque_limit;
@@ -52,7 +50,7 @@ pub fn write(plan: &Plan, head: &[String]) -> String {
         &Additions {
             head: head.to_vec(),
             joints: plan.joints.iter().map(dynamics).collect(),
-            base: tilt(plan),
+            base: urdf::stand(&plan.robot),
             tool: plan.payload.as_ref().map(payload).unwrap_or_default(),
         },
     )
@@ -64,16 +62,6 @@ fn dynamics(joint: &JointPlan) -> String {
     }
     let (damping, friction) = (number(joint.viscous), number(joint.coulomb));
     format!("    <dynamics damping=\"{damping}\" friction=\"{friction}\"/>\n")
-}
-
-/// How the base stands in a world whose gravity is the usual one.
-fn tilt(plan: &Plan) -> Option<Placement> {
-    let (seen, level) = (&plan.robot.gravity, &plan.level_gravity);
-    if seen == level {
-        return None;
-    }
-    let rotation = nalgebra::Rotation3::rotation_between(seen, level)?;
-    Some(Placement { rotation: *rotation.matrix(), ..Placement::identity() })
 }
 
 /// A point mass, bolted to the flange.

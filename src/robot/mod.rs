@@ -15,6 +15,7 @@ pub use dynamics::*;
 pub use error::RobotError;
 pub use model::{Body, Inertia, Joint, Limits, Placement, Robot};
 pub use tables::BUILT_IN;
+pub use urdf::{Chain, Loaded};
 
 /// m/s^2, along -z of the base: what the arms of this crate stand in unless told otherwise.
 pub const GRAVITY: f64 = 9.81;
@@ -24,18 +25,21 @@ pub fn builtin(name: &str) -> Option<Robot> {
     BUILT_IN.iter().find(|t| t.name == name).map(|t| t.robot())
 }
 
-/// A built-in arm by name, or any serial arm from its URDF file.
+/// A built-in arm by name, or an arm from a URDF file: the chain of it that is asked for.
 ///
 /// # Errors
 /// Unknown names list the built-in ones; a bad URDF is refused naming the link or joint.
-pub fn load(name_or_path: &str) -> Result<Robot, RobotError> {
+pub fn load(name_or_path: &str, chain: &Chain) -> Result<Loaded, RobotError> {
     if let Some(robot) = builtin(name_or_path) {
-        return Ok(robot);
+        return match *chain == Chain::default() {
+            true => Ok(Loaded::whole(robot)),
+            false => urdf::read(&urdf::write(&robot), name_or_path, chain),
+        };
     }
     let path = std::path::Path::new(name_or_path);
     let looks_like_path = path.extension().is_some() || path.components().count() > 1;
     if looks_like_path || path.exists() {
-        return urdf::read_file(path);
+        return urdf::read_file(path, chain);
     }
     let names: Vec<_> = BUILT_IN.iter().map(|t| t.name).collect();
     Err(RobotError::Unknown { name: name_or_path.into(), built_in: names.join(", ") })

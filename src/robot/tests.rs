@@ -6,7 +6,7 @@ use crate::series::JointSeries;
 #[test]
 fn every_table_is_found_by_its_name_and_tells_its_source() {
     for table in BUILT_IN {
-        let robot = load(table.name).unwrap();
+        let robot = load(table.name, &Chain::default()).unwrap().robot;
         assert_eq!((robot.name.as_str(), robot.dof()), (table.name, 6));
         assert!(table.source.len() > 40, "{}", table.name);
         assert!(robot.bodies.iter().all(|b| b.inertia.about_com.cholesky().is_some()));
@@ -25,9 +25,9 @@ fn the_printed_ur5_differs_in_the_twist_of_joint_4_alone() {
 
 #[test]
 fn unknown_names_and_missing_files_say_what_to_give() {
-    let unknown = load("ur7").unwrap_err().to_string();
+    let unknown = load("ur7", &Chain::default()).unwrap_err().to_string();
     assert!(unknown.contains("`ur7`") && unknown.contains("ur5e") && unknown.contains("URDF"));
-    let missing = load("arms/none.urdf").unwrap_err().to_string();
+    let missing = load("arms/none.urdf", &Chain::default()).unwrap_err().to_string();
     assert!(missing.contains("arms/none.urdf") && missing.contains("cannot read"), "{missing}");
 }
 

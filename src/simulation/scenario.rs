@@ -7,6 +7,7 @@ use super::inject::injections;
 use super::setup::{Clock, Setup};
 use super::{ControllerSettings, Noise, Quantisation, Thermal};
 use crate::motion::{Settings, Trajectory};
+use crate::robot::Chain;
 use crate::twin::{DriveTable, PerJoint, read_robot};
 
 /// The file as written. Tables and keys that are left out take their defaults; unknown ones are
@@ -16,6 +17,11 @@ use crate::twin::{DriveTable, PerJoint, read_robot};
 pub struct Scenario {
     /// A built-in name or the path of a URDF.
     pub robot: String,
+    /// Links of the URDF between which the arm is, if the robot is more than an arm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tip: Option<String>,
     /// Of the sensors' noise; the motions have their own.
     pub seed: u64,
     /// Of the recording, Hz.
@@ -43,6 +49,8 @@ impl Default for Scenario {
     fn default() -> Self {
         Self {
             robot: "ur5".into(),
+            base: None,
+            tip: None,
             seed: 1,
             rate_hz: 125.0,
             step_s: 0.0004,
@@ -76,6 +84,8 @@ pub struct Experiment {
     pub check: Trajectory,
     /// The settings that made `check`.
     pub check_motion: Settings,
+    /// What was assumed where the URDF does not say.
+    pub notes: Vec<String>,
 }
 
 impl Scenario {
@@ -110,7 +120,9 @@ impl Scenario {
     }
 
     fn resolve(&self, file: &Path) -> Result<Experiment, String> {
-        let (_, robot) = read_robot(&self.robot, file).map_err(|e| format!("robot: {e}"))?;
+        let chain = Chain { base: self.base.clone(), tip: self.tip.clone() };
+        let loaded = read_robot(&self.robot, &chain, file).map_err(|e| format!("robot: {e}"))?.1;
+        let (robot, notes) = (loaded.robot, loaded.notes);
         let drive = self.drive.on(&self.robot, robot.dof()).map_err(|e| e.to_string())?;
         self.noise.check()?;
         self.quantisation.check()?;
@@ -132,7 +144,7 @@ impl Scenario {
             thermal: self.thermal,
             clock,
         };
-        Ok(Experiment { setup, seed: self.seed, fit, check, check_motion })
+        Ok(Experiment { setup, seed: self.seed, fit, check, check_motion, notes })
     }
 
     /// `[motion]` with the keys of `[check]` written over it.

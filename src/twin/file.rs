@@ -10,7 +10,7 @@ use super::Twin;
 use super::parts::{DriveTable, PerJoint, read_robot};
 use crate::effects::{self, Parameter, Scope};
 use crate::files::write_whole;
-use crate::robot::RobotError;
+use crate::robot::{Chain, RobotError};
 
 /// Names the file, and the key where there is one.
 #[derive(Debug, thiserror::Error)]
@@ -35,6 +35,11 @@ pub enum TwinError {
 #[serde(deny_unknown_fields, default)]
 struct Contents {
     robot: Option<String>,
+    /// Links between which the arm is, if the robot is more than an arm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    base: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tip: Option<String>,
     drive: DriveTable,
     twin: TwinTable,
 }
@@ -68,8 +73,10 @@ impl Twin {
             problem: e.to_string().trim_end().to_string(),
         })?;
         let name = contents.robot.unwrap_or_else(|| Self::default().source);
-        let (source, robot) = read_robot(&name, file)
+        let chain = Chain { base: contents.base, tip: contents.tip };
+        let (source, loaded) = read_robot(&name, &chain, file)
             .map_err(|source| TwinError::Robot { file: file.into(), source })?;
+        let (robot, notes) = (loaded.robot, loaded.notes);
         let drive = contents
             .drive
             .on(&source, robot.dof())
@@ -78,7 +85,7 @@ impl Twin {
         let effects = contents.twin.effects.unwrap_or_else(|| Self::default().effects);
         check_effects(&effects).map_err(wrong)?;
         let values = check_values(&contents.twin.values, &effects, robot.dof()).map_err(wrong)?;
-        Ok(Self { source, robot, drive, effects, values })
+        Ok(Self { source, chain, robot, notes, drive, effects, values })
     }
 
     /// The text of a `TWIN.toml` that [`Twin::parse`] reads back as the same twin.
@@ -93,7 +100,8 @@ impl Twin {
         };
         let values = self.values.iter().map(|(k, v)| (k.clone(), PerJoint::Each(v.clone())));
         let twin = TwinTable { effects: Some(self.effects.clone()), values: values.collect() };
-        let contents = Contents { robot: Some(self.source.clone()), drive, twin };
+        let Chain { base, tip } = self.chain.clone();
+        let contents = Contents { robot: Some(self.source.clone()), base, tip, drive, twin };
         // Strings, lists and numbers under fixed keys: nothing TOML cannot hold.
         toml::to_string(&contents).unwrap_or_default()
     }

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use crate::effects::{
     CATALOGUE, Effect, Mechanism, Motion, Parameter, Role, Scope, complete, find,
 };
-use crate::robot::{Drive, Robot, inverse_dynamics_series};
+use crate::robot::{Chain, Drive, Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
 
 /// What is known about the arm before a recording is seen.
@@ -26,7 +26,11 @@ use crate::series::JointSeries;
 pub struct Twin {
     /// A built-in arm's name or the path of a URDF, from which `robot` was read.
     pub source: String,
+    /// Which part of that robot is the arm.
+    pub chain: Chain,
     pub robot: Robot,
+    /// What was assumed where the URDF does not say.
+    pub notes: Vec<String>,
     pub drive: Drive,
     /// Names from the catalogue.
     pub effects: Vec<String>,
@@ -141,7 +145,9 @@ impl Default for Twin {
         let table = &crate::robot::tables::ur5::TABLE;
         Self {
             source: table.name.into(),
+            chain: Chain::default(),
             robot: table.robot(),
+            notes: Vec::new(),
             drive: Drive::ur5(),
             effects: vec!["coulomb".into(), "viscous".into()],
             values: BTreeMap::new(),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::robot::{self, Drive, Robot, RobotError};
+use crate::robot::{self, Chain, Drive, Loaded, RobotError};
 
 /// `5.0` or `[5.0, 6.0, 4.5, 1.2, 1.4, 1.2]`, base to wrist.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,11 +64,12 @@ impl DriveTable {
 }
 
 /// The built-in arm, or the URDF: its path counts from the folder of `file` and is made absolute,
-/// so that what is saved elsewhere finds it. Returns that name or path with the arm.
+/// so that what is saved elsewhere finds it. Returns that name or path with the `chain` of the robot
+/// that is the arm.
 ///
 /// # Errors
 /// If there is no such arm or the URDF is not one.
-pub fn read_robot(name: &str, file: &Path) -> Result<(String, Robot), RobotError> {
+pub fn read_robot(name: &str, chain: &Chain, file: &Path) -> Result<(String, Loaded), RobotError> {
     let beside = file.parent().unwrap_or(Path::new("")).join(name);
     let source = match robot::builtin(name) {
         None if beside.exists() => {
@@ -76,6 +77,6 @@ pub fn read_robot(name: &str, file: &Path) -> Result<(String, Robot), RobotError
         }
         _ => name.to_string(),
     };
-    let robot = robot::load(&source)?;
-    Ok((source, robot))
+    let loaded = robot::load(&source, chain)?;
+    Ok((source, loaded))
 }

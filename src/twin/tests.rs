@@ -97,6 +97,23 @@ fn a_urdf_counts_from_the_folder_of_the_twin() {
     assert_eq!(Twin::load(&saved).unwrap(), twin);
 }
 
+/// A chain of a URDF: read by its keys, kept with the notes when saved, and refused by key.
+#[test]
+fn an_arm_inside_a_larger_robot_is_named_by_base_and_tip() {
+    let urdf =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/robots/cart_with_two_arms.urdf");
+    let text = |chain: &str| {
+        format!("robot = {urdf:?}\n{chain}\n[drive]\ngear_ratio = 100\ntorque_constant = 0.1\n")
+    };
+    let twin = parse(&text("base = \"mast\"\ntip = \"right_3\"")).unwrap();
+    let joints: Vec<_> = twin.robot.bodies.iter().map(|b| b.joint.name.as_str()).collect();
+    assert_eq!(joints, ["right_pan", "right_lift", "right_elbow"]);
+    assert!(twin.notes.iter().any(|n| n.contains("gravity")), "{:?}", twin.notes);
+    assert_eq!(parse(&twin.to_toml()).unwrap(), twin, "{}", twin.to_toml());
+    assert_refused(&text("base = \"mast\""), &["`robot`", "several chains", "left_3", "right_3"]);
+    assert_refused(&text("tip = \"right_3\""), &["`robot`", "joint `lift`", "--base mast"]);
+}
+
 #[test]
 fn shipped_twins_load() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/twins");

@@ -66,10 +66,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     use anyhow::Context;
 
     use super::stream::Deliveries;
-    use crate::{recording, twin::Twin, viewer::write_rrd};
+    use crate::{recording, viewer::write_rrd};
 
     let recording = recording::read(&args.recording, args.columns.as_deref())?;
-    let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
+    let twin = super::twin::load(args.twin.as_deref())?;
     let terms = fit::terms(&twin, args.twin.is_some())?;
     let how = args.conditioning.conditioning();
     let link = args.live.open()?;

@@ -13,7 +13,6 @@ use self::arm::{Arm, Source};
 use super::conditioning::ConditioningArgs;
 use super::save;
 use crate::external_wrench::Criteria;
-use crate::twin::Twin;
 
 /// Estimate forces from outside: when something touched the arm, which link, how strongly
 ///
@@ -68,7 +67,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         return validation::run(folder, args.out.as_deref(), args.json.as_deref());
     }
     let path = args.recording.clone().context("give a recording")?;
-    let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
+    let twin = super::twin::load(args.twin.as_deref())?;
     let recording = Source::new(path, args.columns.clone());
     let fit_columns = args.fit_columns.clone().or_else(|| args.columns.clone());
     let fit = args.fit.clone().map(|path| Source::new(path, fit_columns));

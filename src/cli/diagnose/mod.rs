@@ -114,7 +114,7 @@ pub(super) struct Diagnosed {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let settings = args.settings()?;
-    let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
+    let twin = super::twin::load(args.twin.as_deref())?;
     let recordings = load::condition(args.recordings()?, &twin, &args.conditioning)?;
     // Made before the work, which would be lost where it cannot be made.
     let fresh = args.out.as_ref().filter(|out| !out.exists());

@@ -168,7 +168,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(check) = &args.check {
         refuse_same_file(&args.recording, check)?;
     }
-    let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
+    let twin = super::twin::load(args.twin.as_deref())?;
     let terms = args.terms(&twin)?;
     let conditioning = args.conditioning.conditioning();
     let fit = args.read(&args.recording, &twin, &conditioning)?;

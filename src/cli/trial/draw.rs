@@ -8,7 +8,6 @@ use super::{on_threads, progress};
 use crate::cli::save;
 use crate::diagnosis::Settings;
 use crate::trials::{Draw, DrawOn, Names, Seals, Sources, draw, draw_on, import};
-use crate::twin::Twin;
 
 /// Make cases with sealed labels, by simulation or on your own recordings, or take cases made elsewhere
 #[derive(clap::Args)]
@@ -129,7 +128,7 @@ impl Args {
             settings: usual.settings,
         };
         self.tell(&mut how.settings);
-        let twin = Twin::load(twin)?;
+        let twin = crate::cli::twin::load(Some(twin))?;
         let sources = Sources::read(&self.on, self.columns.as_deref()).context("--on")?;
         let bar = progress(0, "drawing");
         let begin = |cases: usize| bar.set_length(cases as u64);

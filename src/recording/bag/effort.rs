@@ -3,8 +3,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::map::Effort;
-use crate::robot::{self, BUILT_IN, Robot, Workspace, gravity_torque};
+use super::map::{BagMap, Effort};
+use crate::robot::{self, BUILT_IN, Chain, Robot, Workspace, gravity_torque};
 
 /// N.m per N.m: other links, payloads and what inertia adds leave room.
 const TORQUE: std::ops::Range<f64> = 0.6..1.6;
@@ -53,12 +53,16 @@ pub fn by_gravity(q: &[Vec<f64>], effort: &[Vec<f64>], arms: &[Robot]) -> Eviden
     }
 }
 
-/// The arm named, or all built-in ones.
-pub fn arms(named: Option<&str>, universal_robots: bool) -> Result<Vec<Robot>, String> {
-    match named {
-        Some(name) => robot::load(name).map(|arm| vec![arm]).map_err(|e| e.to_string()),
-        None if universal_robots => Ok(BUILT_IN.iter().map(|t| t.robot()).collect()),
-        None => Ok(Vec::new()),
+/// The arm named, with what was assumed about it, or all built-in ones.
+pub fn arms(map: &BagMap, universal_robots: bool) -> Result<(Vec<Robot>, Vec<String>), String> {
+    let chain = Chain { base: map.base.clone(), tip: map.tip.clone() };
+    match &map.robot {
+        Some(name) => match robot::load(name, &chain) {
+            Ok(loaded) => Ok((vec![loaded.robot], loaded.notes)),
+            Err(error) => Err(error.to_string()),
+        },
+        None if universal_robots => Ok((BUILT_IN.iter().map(|t| t.robot()).collect(), Vec::new())),
+        None => Ok((Vec::new(), Vec::new())),
     }
 }
 

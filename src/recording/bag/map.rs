@@ -18,6 +18,9 @@ pub struct BagMap {
     pub time: Clock,
     /// The arm whose gravity tells current from torque; a built-in name or a URDF.
     pub robot: Option<String>,
+    /// Links of the URDF between which the arm is, if the robot is more than an arm.
+    pub base: Option<String>,
+    pub tip: Option<String>,
 }
 
 /// What the sender put into `effort`.

@@ -192,8 +192,10 @@ fn name_effort(
         provenance.notes.push(format!("effort taken as {what}, as the column map says"));
         return Ok(said.stem());
     }
-    let arms = effort::arms(map.robot.as_deref(), names::of_universal_robots(names));
-    let arms = arms.map_err(|e| bad(&provenance.source, e, "correct robot in the column map"))?;
+    let arms = effort::arms(map, names::of_universal_robots(names));
+    let (arms, assumed) =
+        arms.map_err(|e| bad(&provenance.source, e, "correct robot in the column map"))?;
+    provenance.notes.extend(assumed.into_iter().map(|note| format!("robot: {note}")));
     let evidence = effort::by_gravity(q, effort, &arms);
     let why = evidence.why;
     provenance.notes.push(match evidence.effort {

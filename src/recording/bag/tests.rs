@@ -73,6 +73,7 @@ fn a_column_map_says_what_effort_and_time_are() {
         ("time = 1\n[channels]\nactual_q = { first = 2, count = 6 }", &["no [bag] table"]),
         ("[bag]\neffort_scale = [1, 2]", &["2 scales for 6"]),
         ("[bag]\nrobot = 'ur6'", &["ur6", "correct robot"]),
+        ("[bag]\nrobot = 'ur5'\ntip = 'elbow'", &["no link `elbow` for tip", "correct robot"]),
     ] {
         refused(read_with(&path, map), parts);
     }
@@ -246,7 +247,7 @@ fn damaged_bags_never_panic() {
 /// gravity is that of one arm only, and never told wrongly.
 #[test]
 fn gravity_tells_current_from_torque() {
-    let arms = effort::arms(None, true).unwrap();
+    let arms = effort::arms(&BagMap::default(), true).unwrap().0;
     for arm in &arms {
         let samples = 2000;
         let q: Vec<Vec<f64>> = (0..6)

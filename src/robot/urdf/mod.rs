@@ -1,12 +1,21 @@
 //! URDF text <-> [`Robot`](super::Robot).
 
-mod check;
-mod locate;
+mod carried;
+mod chain;
+mod elements;
+mod file;
+mod inertia;
+mod limits;
+mod notes;
 mod read;
 #[cfg(test)]
 mod tests;
+mod tip;
+mod tree;
 pub mod visual;
 mod write;
+mod xml;
 
-pub use read::{read, read_file};
-pub use write::{Additions, write, write_with};
+pub use chain::Chain;
+pub use read::{Loaded, read, read_file};
+pub use write::{Additions, stand, write, write_with};

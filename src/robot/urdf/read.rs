@@ -1,244 +1,258 @@
-//! URDF of a serial arm -> [`Robot`]: fixed joints are merged into the body that carries them.
+//! URDF of a robot -> the [`Robot`] that is its arm: what is fixed to a body, or held, is merged into
+//! it.
 
-use std::path::Path;
+use std::path::Path as FilePath;
 
-use nalgebra::{Rotation3, Unit, Vector3};
-use urdf_rs::{JointType, Link, Pose};
+use nalgebra::{Unit, Vector3};
 
-use super::check::{self, File};
-use super::locate;
-use crate::robot::{Body, Inertia, Joint, Limits, Placement, Robot, RobotError};
+use super::carried::Carried;
+use super::chain::{Chain, Path};
+use super::elements::{self, Joint, Kind};
+use super::file::File;
+use super::notes::{Notes, listed};
+use super::tree::Tree;
+use super::{inertia, limits, xml};
+use crate::robot::{Body, GRAVITY, Placement, Robot, RobotError};
 
 /// Frames that users mean by the flange, best first.
 const FLANGES: [&str; 3] = ["tool0", "flange", "ee_link"];
 
-/// Reads a URDF file. The root link is the base; its mass plays no role. An effort limit of 0 or
-/// none counts as unlimited.
+/// An arm and how it was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded {
+    pub robot: Robot,
+    /// The link it stands on and the one at its flange.
+    pub base: String,
+    pub tip: String,
+    /// What was assumed, one sentence each.
+    pub notes: Vec<String>,
+}
+
+impl Loaded {
+    /// A built-in arm, from base to flange as its URDF calls them.
+    pub fn whole(robot: Robot) -> Self {
+        Self { robot, base: "base".into(), tip: "tool0".into(), notes: Vec::new() }
+    }
+}
+
+/// Reads the arm in a URDF file. What stands still has no mass; missing limits are none.
 ///
 /// # Errors
 /// One message naming the file, and the link or joint that is wrong.
-pub fn read_file(path: &Path) -> Result<Robot, RobotError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|cause| RobotError::Read { file: path.into(), cause })?;
-    read(&text, &path.display().to_string())
+pub fn read_file(path: &FilePath, chain: &Chain) -> Result<Loaded, RobotError> {
+    let bytes =
+        std::fs::read(path).map_err(|cause| RobotError::Read { file: path.into(), cause })?;
+    // Comments and names in old files are in Latin-1.
+    read(&String::from_utf8_lossy(&bytes), &path.display().to_string(), chain)
 }
 
 /// Reads URDF text; `file` is its name in messages.
 ///
 /// # Errors
 /// As [`read_file`].
-pub fn read(text: &str, file: &str) -> Result<Robot, RobotError> {
-    let urdf = urdf_rs::read_from_string(text).map_err(|e| malformed(text, file, &e))?;
-    let file = File(file);
-    let root = check::tree(file, &urdf)?;
-    check::numbers(file, &urdf)?;
-    let mut reader = Reader { file, urdf: &urdf, bodies: Vec::new(), frames: Vec::new() };
-    reader.descend(root, None, &Placement::identity())?;
-    reader.finish()
+pub fn read(text: &str, file: &str, chain: &Chain) -> Result<Loaded, RobotError> {
+    let (file, text) = (File(file), xml::repaired(text));
+    let document = xml::parse(&text, file)?;
+    let (links, joints) = elements::read(file, document.root_element())?;
+    let tree = Tree::new(file, &links, &joints)?;
+    let mut notes = Notes::default();
+    xml::note_left_calls(&document, &mut notes);
+    let path = chain.find(&tree, &mut notes)?;
+    let mut reader = Reader {
+        tree: &tree,
+        notes,
+        bodies: Vec::new(),
+        carried: Carried::default(),
+        bare: false,
+        at: Placement::identity(),
+    };
+    let gravity = reader.gravity(path.base)?;
+    reader.follow(&path)?;
+    let name = document.root_element().attribute("name").unwrap_or("arm");
+    reader.finish(name, &path, chain, gravity)
 }
 
-fn malformed(text: &str, file: &str, error: &urdf_rs::UrdfError) -> RobotError {
-    let message = error.to_string();
-    let reason = message.lines().next().unwrap_or_default().trim_start_matches("custom: ");
-    match locate::refused_element(text) {
-        Some((element, name)) => RobotError::Element {
-            file: file.into(),
-            element,
-            name: name.into(),
-            problem: format!("{reason}; add or correct it"),
-        },
-        None => RobotError::Malformed { file: file.into(), reason: reason.into() },
-    }
-}
-
-struct Reader<'a> {
-    file: File<'a>,
-    urdf: &'a urdf_rs::Robot,
+/// Walks along the chain.
+struct Reader<'t, 'a> {
+    tree: &'t Tree<'a>,
+    notes: Notes,
     bodies: Vec<Body>,
-    /// Links fixed to the last body, seen from it, and whether they are leaves.
-    frames: Vec<(&'a str, Placement, bool)>,
+    /// What the body being read carries; before the first joint, what stands on the base.
+    carried: Carried<'a>,
+    /// Has the link that moves no mass of its own?
+    bare: bool,
+    /// The link being read, seen from that body (the base before the first joint).
+    at: Placement,
 }
 
-impl<'a> Reader<'a> {
-    /// Visits all links below `link`, whose frame is seen from `body` (the base if `None`) at
-    /// `placement`.
-    fn descend(
-        &mut self,
-        link: &'a str,
-        body: Option<usize>,
-        placement: &Placement,
-    ) -> Result<(), RobotError> {
-        for joint in self.urdf.joints.iter().filter(|j| j.parent.link == link) {
-            let at = placement.compose(&pose(&joint.origin));
-            let child = self.link(&joint.child.link);
-            if joint.joint_type == JointType::Fixed {
-                self.fix(child, body, &at);
-                self.descend(&child.name, body, &at)?;
+impl<'a> Reader<'_, 'a> {
+    /// Gravity is along -z of the root link, here in the axes of `base`; joints above it are at zero.
+    fn gravity(&mut self, base: &'a str) -> Result<Vector3<f64>, RobotError> {
+        let level = Vector3::new(0.0, 0.0, -GRAVITY);
+        let way = self.tree.way_to(base);
+        let Some(top) = way.first() else { return Ok(level) };
+        let mut stands = Placement::identity();
+        for joint in &way {
+            let origin = joint.element.origin(joint.element.node, &mut self.notes)?;
+            stands = stands.compose(&origin);
+        }
+        let root = top.parent;
+        let held: Vec<_> = way.iter().filter(|j| j.kind != Kind::Fixed).map(|j| j.name).collect();
+        self.notes.say(match held.is_empty() {
+            true => {
+                format!("`{base}` is the base; what lies above it, up to `{root}`, is left out")
+            }
+            false => format!(
+                "`{base}` is the base, where it is with {} at zero; what lies above it, up to \
+                 `{root}`, is left out",
+                listed(&held)
+            ),
+        });
+        let gravity = stands.rotation.tr_mul(&level);
+        if (gravity - level).amax() > 1e-9 {
+            let words = format!("{:.4}, {:.4}, {:.4}", gravity.x, gravity.y, gravity.z);
+            self.notes.say(format!(
+                "gravity is along -z of `{root}`: in the axes of `{base}` ({words}) m/s2"
+            ));
+        }
+        Ok(gravity)
+    }
+
+    fn follow(&mut self, path: &Path<'_, 'a>) -> Result<(), RobotError> {
+        let mut link = path.base;
+        for joint in &path.joints {
+            self.carry(link, Some(joint))?;
+            let origin = joint.element.origin(joint.element.node, &mut self.notes)?;
+            self.at = self.at.compose(&origin);
+            if joint.kind == Kind::Fixed {
+                self.add_link(joint.child)?;
             } else {
-                let moving = self.move_with(joint, child, body, at)?;
-                self.descend(&child.name, Some(moving), &Placement::identity())?;
+                self.close()?;
+                self.open(joint)?;
+            }
+            link = joint.child;
+        }
+        self.carry(link, None)
+    }
+
+    /// A link of the chain, fixed to the body being read.
+    fn add_link(&mut self, name: &'a str) -> Result<(), RobotError> {
+        let Some(link) = self.tree.link(name) else { return Ok(()) };
+        let leaf = !self.tree.below(name).iter().any(|j| j.kind == Kind::Fixed);
+        self.carried.frames.push((link.name, self.at, leaf));
+        if let Some(body) = self.bodies.last_mut() {
+            let own = inertia::read(link, true, &mut self.notes)?.seen_from(&self.at);
+            body.inertia = body.inertia.joined_with(&own);
+        }
+        Ok(())
+    }
+
+    /// What hangs on a link of the chain, but for the `next` joint of it.
+    fn carry(&mut self, link: &'a str, next: Option<&Joint<'a>>) -> Result<(), RobotError> {
+        let moving = !self.bodies.is_empty();
+        let is_next = |joint: &&Joint| next.is_some_and(|n| n.name == joint.name);
+        for joint in self.tree.below(link).iter().filter(|j| !is_next(j)) {
+            self.carried.add(self.tree, joint, &self.at, moving, &mut self.notes)?;
+        }
+        Ok(())
+    }
+
+    /// All that the body being read carries is known.
+    fn close(&mut self) -> Result<(), RobotError> {
+        match self.bodies.last_mut() {
+            None => self.carried.say_left_out(&mut self.notes),
+            Some(body) => {
+                self.carried.say_joined(&body.name, &mut self.notes);
+                body.inertia = body.inertia.joined_with(&self.carried.inertia);
+                check_mass(self.tree, body)?;
+                if self.bare {
+                    let text = "no mass of its own; it has that of what is fixed to it";
+                    self.notes.of("link", &body.name, text);
+                }
+                body.inertia =
+                    inertia::with_positive_moments(&body.name, body.inertia, &mut self.notes);
             }
         }
         Ok(())
     }
 
-    fn fix(&mut self, link: &'a Link, body: Option<usize>, at: &Placement) {
-        let leaf = !self.urdf.joints.iter().any(|j| j.parent.link == link.name);
-        self.frames.retain(|(name, ..)| *name != link.name);
-        if let Some(i) = body {
-            let joined = self.bodies[i].inertia.joined_with(&inertia(link).seen_from(at));
-            self.bodies[i].inertia = joined;
-            self.frames.push((&link.name, *at, leaf));
-        }
+    /// The next body, which moves with `joint`.
+    fn open(&mut self, joint: &Joint<'a>) -> Result<(), RobotError> {
+        let Some(link) = self.tree.link(joint.child) else { return Ok(()) };
+        let axis = axis(joint, &mut self.notes)?;
+        let limits = limits::read(joint, &mut self.notes)?;
+        let inertia = inertia::read(link, true, &mut self.notes)?;
+        let moved =
+            crate::robot::Joint { name: joint.name.into(), placement: self.at, axis, limits };
+        self.bare = inertia.mass == 0.0;
+        let parent = self.bodies.len().checked_sub(1);
+        self.bodies.push(Body { name: link.name.into(), parent, joint: moved, inertia });
+        self.carried = Carried::default();
+        self.at = Placement::identity();
+        Ok(())
     }
 
-    fn move_with(
-        &mut self,
-        joint: &'a urdf_rs::Joint,
-        child: &Link,
-        parent: Option<usize>,
-        placement: Placement,
-    ) -> Result<usize, RobotError> {
-        self.refuse_branch(joint, parent)?;
-        let axis = Vector3::from(joint.axis.xyz.0);
-        let axis = Unit::try_new(axis, 1e-9)
-            .ok_or_else(|| self.file.joint(&joint.name, "its axis is zero; give a direction"))?;
-        let limits = limits(self.file, joint)?;
-        let joint = Joint { name: joint.name.clone(), placement, axis, limits };
-        let name = child.name.clone();
-        self.frames.clear();
-        self.bodies.push(Body { name, parent, joint, inertia: inertia(child) });
-        Ok(self.bodies.len() - 1)
+    fn finish(
+        mut self,
+        name: &str,
+        path: &Path,
+        chain: &Chain,
+        gravity: Vector3<f64>,
+    ) -> Result<Loaded, RobotError> {
+        self.close()?;
+        let last = self.bodies.last().map_or(path.base, |b| &b.name);
+        let (tip, flange) = match &chain.tip {
+            Some(tip) => (tip.as_str(), self.at),
+            None => self.flange().unwrap_or((last, Placement::identity())),
+        };
+        let (base, tip) = (path.base.to_string(), tip.to_string());
+        let robot = Robot { name: name.into(), bodies: self.bodies, gravity, flange };
+        Ok(Loaded { robot, base, tip, notes: self.notes.into_words() })
     }
 
-    fn refuse_branch(
-        &self,
-        joint: &urdf_rs::Joint,
-        parent: Option<usize>,
-    ) -> Result<(), RobotError> {
-        match self.bodies.iter().find(|b| b.parent == parent) {
-            Some(other) => Err(self.file.joint(
-                &joint.name,
-                format!(
-                    "and `{}` move on the same body; armtwin takes serial arms: make the joints \
-                     of the side branch (a gripper, say) fixed",
-                    other.joint.name
-                ),
-            )),
-            None => Ok(()),
-        }
-    }
-
-    fn finish(self) -> Result<Robot, RobotError> {
-        if self.bodies.is_empty() {
-            return Err(self.file.structure(
-                "has no moving joint; an arm needs joints of type revolute or continuous",
-            ));
-        }
-        for body in &self.bodies {
-            check_body(self.file, body)?;
-        }
-        let name = self.urdf.name.clone();
-        let gravity = Vector3::new(0.0, 0.0, -crate::robot::GRAVITY);
-        Ok(Robot { name, flange: self.flange(), bodies: self.bodies, gravity })
-    }
-
-    /// tool0 or a frame of similar name on the last body, else its only fixed leaf, else itself.
-    fn flange(&self) -> Placement {
-        let named = |wanted: &str| self.frames.iter().find(|(name, ..)| *name == wanted);
-        let mut leaves = self.frames.iter().filter(|(_, _, leaf)| *leaf);
+    /// tool0 or a frame of similar name on the last body, else the only frame at the end of what is
+    /// fixed to it.
+    fn flange(&self) -> Option<(&'a str, Placement)> {
+        let frames = &self.carried.frames;
+        let named = |wanted: &str| frames.iter().find(|(name, ..)| *name == wanted);
+        let mut leaves = frames.iter().filter(|(_, _, leaf)| *leaf);
         let only_leaf = leaves.next().filter(|_| leaves.next().is_none());
         let best = FLANGES.into_iter().find_map(named).or(only_leaf);
-        best.map_or(Placement::identity(), |(_, placement, _)| *placement)
-    }
-
-    /// `check::tree` made sure that it exists.
-    fn link(&self, name: &str) -> &'a Link {
-        let found = self.urdf.links.iter().find(|l| l.name == name);
-        found.unwrap_or(&self.urdf.links[0])
+        best.map(|(name, placement, _)| (*name, *placement))
     }
 }
 
-fn limits(file: File, joint: &urdf_rs::Joint) -> Result<Limits, RobotError> {
-    let refuse = |problem: String| Err(file.joint(&joint.name, problem));
-    if joint.mimic.is_some() {
-        return refuse("mimics another joint, which armtwin cannot; make it fixed".into());
-    }
-    let (lower, upper) = range(joint).map_err(|problem| file.joint(&joint.name, problem))?;
-    if joint.joint_type == JointType::Continuous && has_no_limit(joint) {
-        return Ok(Limits { lower, upper, velocity: f64::INFINITY, effort: f64::INFINITY });
-    }
-    let velocity = joint.limit.velocity;
-    let effort = if joint.limit.effort == 0.0 { f64::INFINITY } else { joint.limit.effort };
-    if velocity.is_nan() || velocity <= 0.0 {
-        return refuse(format!("its velocity limit is {velocity} rad/s; give a positive one"));
-    }
-    if effort.is_nan() || effort < 0.0 {
-        return refuse(format!("its effort limit is {effort} N.m; give a positive one"));
-    }
-    Ok(Limits { lower, upper, velocity, effort })
+fn axis(joint: &Joint, notes: &mut Notes) -> Result<Unit<Vector3<f64>>, RobotError> {
+    let element = &joint.element;
+    let axis = element.only(element.node, "axis", notes).and_then(|a| a.attribute("xyz"));
+    let Some(axis) = axis else {
+        notes.of("joint", joint.name, "no <axis>; x is taken, as URDF says");
+        return Ok(Vector3::x_axis());
+    };
+    let axis = element.vector("axis", "xyz", axis, notes)?;
+    Unit::try_new(axis, 1e-9).ok_or_else(|| element.wrong("its axis is zero; give a direction"))
 }
 
-/// A joint without `<limit>` comes as all zeros.
-fn has_no_limit(joint: &urdf_rs::Joint) -> bool {
-    let l = &joint.limit;
-    [l.lower, l.upper, l.velocity, l.effort] == [0.0; 4]
-}
-
-/// Lower and upper limit, rad, or what is wrong with them.
-fn range(joint: &urdf_rs::Joint) -> Result<(f64, f64), String> {
-    let (lower, upper) = (joint.limit.lower, joint.limit.upper);
-    match &joint.joint_type {
-        JointType::Continuous => Ok((f64::NEG_INFINITY, f64::INFINITY)),
-        JointType::Revolute if has_no_limit(joint) => {
-            Err("has no limits; give <limit lower upper \
-             (rad) velocity (rad/s) effort (N.m)/>, or make it continuous"
-                .into())
-        }
-        JointType::Revolute if lower < upper => Ok((lower, upper)),
-        JointType::Revolute => Err(format!(
-            "its lower limit {lower} is not below its upper limit {upper} rad; swap or correct them"
-        )),
-        other => Err(format!(
-            "is {}; armtwin takes revolute, continuous and fixed joints: make it fixed if it does \
-             not move (a gripper's finger, say)",
-            format!("{other:?}").to_lowercase()
-        )),
+fn check_mass(tree: &Tree, body: &Body) -> Result<(), RobotError> {
+    if body.inertia.mass > 0.0 {
+        return Ok(());
     }
-}
-
-fn check_body(file: File, body: &Body) -> Result<(), RobotError> {
-    if body.inertia.mass <= 0.0 {
-        return Err(file.link(
-            &body.name,
-            format!(
-                "moves with joint `{}` but has no mass; give its <inertial> a positive mass, or \
-                 make the joint fixed",
-                body.joint.name
-            ),
+    if !tree.has_inertia() {
+        return Err(tree.file.structure(
+            "has no <inertial> in any link: it says how the robot moves, not what it weighs; give \
+             a URDF with masses, or add them",
         ));
     }
-    if body.inertia.about_com.cholesky().is_none() {
-        let eigenvalues = body.inertia.about_com.symmetric_eigenvalues();
-        return Err(file.link(&body.name, check::not_positive_definite(&eigenvalues)));
-    }
-    Ok(())
-}
-
-/// In the link's frame.
-fn inertia(link: &Link) -> Inertia {
-    let own = Inertia {
-        mass: link.inertial.mass.value,
-        com: Vector3::zeros(),
-        about_com: check::tensor_matrix(link),
-    };
-    own.seen_from(&pose(&link.inertial.origin))
-}
-
-fn pose(pose: &Pose) -> Placement {
-    let [roll, pitch, yaw] = pose.rpy.0;
-    Placement {
-        rotation: *Rotation3::from_euler_angles(roll, pitch, yaw).matrix(),
-        translation: pose.xyz.0.into(),
-    }
+    let before = tree.above(&body.name).filter(|_| body.parent.is_some());
+    let tip = before.map_or(String::new(), |joint| {
+        format!(", or end the chain before it (--tip {})", joint.parent)
+    });
+    Err(tree.file.link(
+        &body.name,
+        format!(
+            "moves with joint `{}` but has no mass; give its <inertial> a positive mass or make the \
+             joint fixed{tip}",
+            body.joint.name
+        ),
+    ))
 }

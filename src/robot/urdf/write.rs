@@ -1,8 +1,9 @@
 //! A [`Robot`] as URDF text: joints, inertias, a `tool0` frame, and cylinders to look at.
 
+use std::f64::consts::PI;
 use std::fmt::Write;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::visual::{self, Cylinder, Shape};
 use crate::robot::{Body, Inertia, Joint, Limits, Placement, Robot};
@@ -28,7 +29,20 @@ impl Additions {
 /// link `base` is the arm's base frame, `tool0` its flange.
 pub fn write(robot: &Robot) -> String {
     let head = "Made by `armtwin urdf`; inertial frames have the axes of their links.";
-    write_with(robot, &Additions { head: vec![head.into()], ..Additions::default() })
+    let base = stand(robot);
+    write_with(robot, &Additions { head: vec![head.into()], base, ..Additions::default() })
+}
+
+/// How the base stands in a world whose gravity is along -z, if it does not stand upright. How it is
+/// turned about the vertical cannot be told, nor does it matter.
+pub fn stand(robot: &Robot) -> Option<Placement> {
+    let (seen, level) = (robot.gravity, -Vector3::z());
+    if seen.x == 0.0 && seen.y == 0.0 && seen.z <= 0.0 {
+        return None;
+    }
+    let upside_down = || Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
+    let rotation = Rotation3::rotation_between(&seen, &level).unwrap_or_else(upside_down);
+    Some(Placement { rotation: *rotation.matrix(), ..Placement::identity() })
 }
 
 /// The same with more in it.
@@ -119,9 +133,9 @@ fn joint(joint: &Joint, parent: &str, body: &Body, inside: &str) -> String {
     )
 }
 
-/// Nothing for a joint without limits; an unlimited effort is 0, as in most URDFs.
+/// Nothing for a joint without limits; an unlimited velocity or effort is 0, as in most URDFs.
 fn limit(l: &Limits) -> String {
-    if l.velocity.is_infinite() {
+    if [l.velocity, l.effort, l.upper].into_iter().all(f64::is_infinite) {
         return String::new();
     }
     let range = if l.upper.is_infinite() {
@@ -129,8 +143,8 @@ fn limit(l: &Limits) -> String {
     } else {
         format!("lower=\"{}\" upper=\"{}\" ", l.lower, l.upper)
     };
-    let effort = if l.effort.is_finite() { l.effort } else { 0.0 };
-    format!("    <limit {range}velocity=\"{}\" effort=\"{effort}\"/>\n", l.velocity)
+    let [velocity, effort] = [l.velocity, l.effort].map(|x| if x.is_finite() { x } else { 0.0 });
+    format!("    <limit {range}velocity=\"{velocity}\" effort=\"{effort}\"/>\n")
 }
 
 fn fixed(name: &str, placement: &Placement, parent: &str, child: &str) -> String {

@@ -48,7 +48,7 @@ fn knowing(setup: &Setup) -> Twin {
         robot: setup.robot.clone(),
         drive: setup.drive.clone(),
         effects: Vec::new(),
-        values: std::collections::BTreeMap::new(),
+        ..Twin::default()
     };
     for injection in &setup.effects {
         let about = injection.effect.about();

@@ -2,9 +2,18 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
+mod chains;
+mod golden;
+mod wild;
+
 use super::*;
 use crate::robot::tables::Table;
 use crate::robot::{BUILT_IN, GRAVITY, Placement, Robot, builtin, flange_placement};
+
+/// The arm of a text that needs no choice.
+fn robot_of(text: &str) -> Robot {
+    read(text, "test.urdf", &Chain::default()).unwrap().robot
+}
 
 fn assert_same(a: &Robot, b: &Robot, tolerance: f64) {
     let near = |x: f64, y: f64| x == y || (x - y).abs() <= tolerance;
@@ -31,7 +40,7 @@ fn assert_same(a: &Robot, b: &Robot, tolerance: f64) {
 fn built_in_arms_survive_their_urdf() {
     for table in BUILT_IN {
         let robot = table.robot();
-        let back = read(&write(&robot), table.name).unwrap();
+        let back = robot_of(&write(&robot));
         assert_same(&robot, &back, 1e-12);
         assert_eq!(back.name, table.name);
     }
@@ -47,7 +56,7 @@ fn odd_frames_survive_their_urdf_even_at_pitch_of_a_right_angle() {
         body.inertia.about_com += Matrix3::new(0.0, 1e-4, 2e-4, 1e-4, 0.0, -1e-4, 2e-4, -1e-4, 0.0);
     }
     robot.flange.rotation = *Rotation3::from_euler_angles(0.1, right - 1e-9, 0.2).matrix();
-    assert_same(&robot, &read(&write(&robot), "odd").unwrap(), 1e-12);
+    assert_same(&robot, &robot_of(&write(&robot)), 1e-12);
 }
 
 #[test]
@@ -105,7 +114,7 @@ fn fixed_links_are_merged_and_tool0_is_found() {
          <parent link=\"wrist_3_link\"/><child link=\"camera\"/></joint>\
          <link name=\"tool0\"/>",
     );
-    let robot = read(&text, "with a camera").unwrap();
+    let robot = robot_of(&text);
     let com = Vector3::new(0.0, 0.02, 0.1);
     let expected = builtin("ur5").unwrap().with_payload(0.5, com, Matrix3::identity() * 1e-3);
     assert_same(&expected, &robot, 1e-12);
@@ -114,14 +123,14 @@ fn fixed_links_are_merged_and_tool0_is_found() {
 
 #[test]
 fn continuous_joints_turn_without_end() {
-    let robot = read(&write(&builtin("ur3").unwrap()), "ur3").unwrap();
+    let robot = robot_of(&write(&builtin("ur3").unwrap()));
     assert_eq!(robot.bodies[5].joint.limits.upper, f64::INFINITY);
     assert_eq!(robot.bodies[4].joint.limits.upper, std::f64::consts::TAU);
     let unlimited =
         with_wrist_2_limit("").replace("wrist_2_joint\" type=\"revolute", "x\" type=\"continuous");
-    let robot = read(&unlimited, "without limits").unwrap();
+    let robot = robot_of(&unlimited);
     assert_eq!(robot.bodies[4].joint.limits.velocity, f64::INFINITY);
-    assert_same(&robot, &read(&write(&robot), "again").unwrap(), 1e-12);
+    assert_same(&robot, &robot_of(&write(&robot)), 1e-12);
 }
 
 /// What URDFs in the wild carry along: a world link, meshes, transmissions, foreign elements,
@@ -150,17 +159,17 @@ const WILD: &str = r#"<robot name="wild &amp; small" xmlns:xacro="http://www.ros
 
 #[test]
 fn what_urdfs_in_the_wild_carry_along_does_no_harm() {
-    let robot = read(WILD, "wild").unwrap();
+    let robot = robot_of(WILD);
     assert_eq!(robot.bodies[0].joint.placement.translation.z, 1.1);
     assert_eq!(robot.bodies[0].joint.axis, Vector3::z_axis());
     assert_eq!(robot.bodies[0].joint.limits.effort, f64::INFINITY);
     assert_eq!(robot.flange.translation.z, 0.5);
-    assert_same(&robot, &read(&write(&robot), "again").unwrap(), 1e-12);
+    assert_same(&robot, &robot_of(&write(&robot)), 1e-12);
 }
 
 /// What a bad file is told must name the place and the way out.
 fn assert_refused(text: &str, words: &[&str]) {
-    let message = read(text, "bad.urdf").unwrap_err().to_string();
+    let message = read(text, "bad.urdf", &Chain::default()).unwrap_err().to_string();
     for word in words.iter().chain(&["bad.urdf"]) {
         assert!(message.contains(word), "`{word}` is not in: {message}");
     }
@@ -190,11 +199,11 @@ fn bad_structure_is_refused() {
     assert_refused("<robot name=\"x\"><link name=\"a\"/></robot>", &["no moving joint"]);
     assert_refused(
         &with("<mass value=\"2.33\"/>", ""),
-        &["link `forearm_link`", "missing field `mass`", "correct"],
+        &["link `forearm_link`", "no <mass", "add it"],
     );
     assert_refused(
         &with("type=\"revolute\"", "type=\"hinge\""),
-        &["joint `shoulder_pan_joint`", "unknown variant `hinge`", "revolute"],
+        &["joint `shoulder_pan_joint`", "is hinge", "revolute", "--base shoulder_link"],
     );
     let loop_back = "<joint name=\"back\" type=\"fixed\"><parent link=\"tool0\"/>\
                      <child link=\"NAME\"/></joint></robot>";
@@ -222,19 +231,15 @@ fn bad_structure_is_refused() {
 fn joints_that_are_no_arm_are_refused() {
     assert_refused(
         &with("name=\"elbow_joint\" type=\"revolute\"", "name=\"elbow_joint\" type=\"prismatic\""),
-        &["joint `elbow_joint`", "prismatic", "make it fixed"],
+        &["joint `elbow_joint`", "prismatic", "--tip upper_arm_link", "--base forearm_link"],
     );
-    let finger = "<link name=\"finger\"/><joint name=\"grip\" type=\"continuous\">\
-                  <parent link=\"forearm_link\"/><child link=\"finger\"/></joint></robot>";
-    assert_refused(&with("</robot>", finger), &["joint `grip`", "wrist_1_joint", "fixed"]);
-    assert_refused(&with_wrist_2_limit(""), &["joint `wrist_2_joint`", "has no limits", "<limit"]);
     assert_refused(
         &with_wrist_2_limit("<limit lower=\"2\" upper=\"-2\" velocity=\"1\" effort=\"1\"/>"),
         &["joint `wrist_2_joint`", "lower limit 2", "upper limit -2"],
     );
     assert_refused(
-        &with_wrist_2_limit("<limit lower=\"-2\" upper=\"2\" velocity=\"-1\" effort=\"1\"/>"),
-        &["joint `wrist_2_joint`", "velocity limit is -1"],
+        &with_wrist_2_limit("<limit lower=\"-2\" upper=\"2\" velocity=\"fast\"/>"),
+        &["joint `wrist_2_joint`", "velocity=\"fast\"", "give a number"],
     );
     assert_refused(
         &with("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 0\"/>"),
@@ -247,13 +252,9 @@ fn impossible_inertias_are_refused() {
     let mass = |m: &str| with("<mass value=\"2.33\"/>", &format!("<mass value=\"{m}\"/>"));
     assert_refused(&mass("0"), &["link `forearm_link`", "elbow_joint", "no mass"]);
     assert_refused(&mass("-2.33"), &["link `forearm_link`", "-2.33 kg", "positive"]);
-    assert_refused(&mass("nan"), &["link `forearm_link`", "not finite"]);
+    assert_refused(&mass("nan"), &["link `forearm_link`", "value=\"nan\"", "finite number"]);
     assert_refused(
         &with("ixx=\"0.0017\" ixy=\"0\"", "ixx=\"0.0017\" ixy=\"0.3\""),
         &["link `forearm_link`", "not positive definite", "eigenvalues"],
-    );
-    assert_refused(
-        &with("ixx=\"0.0017\"", "ixx=\"0\""),
-        &["link `forearm_link`", "not positive definite"],
     );
 }
