@@ -22,7 +22,7 @@ use crate::identification::{
     Search, Settings, Terms, assemble_around,
 };
 use crate::recording::{self, Recording};
-use crate::robot::urdf;
+use crate::robot::urdf::{self, Chain};
 use crate::signals::{Conditioning, Samples, condition};
 use crate::twin::Twin;
 
@@ -355,7 +355,9 @@ fn fitted<'a>(report: &Report<'a>) -> Result<Option<(Twin, &'a str)>, Identifica
     if let Some(RigidBody { fitted: Fitted { around, fit, result }, .. }) = report.rigid_body {
         let mut twin = identification::fitted_twin(around, report.terms, &fit.problem, result)?;
         if let Some(urdf) = &report.args.save_urdf {
+            // The arm alone, as it is written there.
             twin.source = std::path::absolute(urdf).unwrap_or(urdf.clone()).display().to_string();
+            (twin.chain, twin.notes) = (Chain::default(), Vec::new());
         }
         return Ok(Some((twin, &result.method)));
     }
