@@ -80,7 +80,7 @@ pub struct Value {
 #[derive(Serialize)]
 pub struct Left {
     pub recording: String,
-    /// By the twin as it was given, by the base parameters of least squares, by the links.
+    /// By the twin as it was given, by base parameters of least squares within their ranges, by the links.
     pub given_nm: Vec<f64>,
     pub least_squares_nm: Vec<f64>,
     pub links_nm: Vec<f64>,

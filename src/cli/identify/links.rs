@@ -78,7 +78,7 @@ fn torque_cells(left: &Left) -> Vec<Vec<String>> {
     let file = path.file_name().map_or(left.recording.clone(), |f| f.to_string_lossy().into());
     vec![
         row(&file, "as given", &left.given_nm),
-        row("", "least squares", &left.least_squares_nm),
+        row("", "least squares, bounded", &left.least_squares_nm),
         row("", "possible links", &left.links_nm),
     ]
 }
