@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::{out, save};
 use crate::excitation::write::{self, Format};
 use crate::excitation::{Ask, Cuboid, Request, Surroundings, design, page};
+use crate::studies::excitation as study;
 use crate::twin::Twin;
 
 /// Design a motion within limits that tells what is asked for as sharply as can be
@@ -16,6 +17,7 @@ use crate::twin::Twin;
   armtwin excite --twin scenarios/twins/ur5.toml --seconds 30 --for friction -o next.csv
   armtwin excite --twin scenarios/twins/ur5.toml --for inertia --table-z -0.05 -o next.toml -o next.yaml
   armtwin excite --twin scenarios/twins/ur5.toml --apart payload,base_tilt -o next.script
+  armtwin excite --twin scenarios/twins/ur5.toml --for inertia,friction --study 5 -o docs/excitation.md
 
 --for takes inertia (all inertial parameters of all links), friction (coulomb, viscous, stribeck) and
 effects of the catalogue, EFFECT at every joint or EFFECT@JOINT, parted by commas. --apart takes two
@@ -85,6 +87,10 @@ pub struct Args {
     /// Motions the search tries: more take longer and tell more
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     evaluations: usize,
+    /// Write no motion: design for every word of --for with N seeds, and write what they tell beside
+    /// random sines to FILE.md
+    #[arg(long, value_name = "N", conflicts_with = "apart", value_parser = clap::value_parser!(u64).range(1..=1000))]
+    study: Option<u64>,
     /// Write what the motion tells, the limits it holds and all settings as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -92,8 +98,13 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     for path in &args.out {
-        Format::of(path)?;
         refuse_missing_folder(path)?;
+    }
+    if let Some(seeds) = args.study {
+        return measure(args, seeds);
+    }
+    for path in &args.out {
+        Format::of(path)?;
     }
     let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
     let request = request(args, &twin)?;
@@ -106,6 +117,45 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let names: Vec<String> = args.out.iter().map(|p| p.display().to_string()).collect();
     out::page(&format!("{}\n\n{}", names.join(", "), page(&designed.report)));
+    Ok(())
+}
+
+/// Of every goal by itself.
+fn measure(args: &Args, seeds: u64) -> anyhow::Result<()> {
+    let markdown = |p: &PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("md"));
+    if let Some(other) = args.out.iter().find(|p| !markdown(p)) {
+        bail!("{}: --study writes Markdown; name the file .md", other.display());
+    }
+    let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
+    let goals: Vec<&str> = args.what.split(',').map(str::trim).filter(|g| !g.is_empty()).collect();
+    let each = seeds * args.evaluations as u64;
+    let bar = progress(each * goals.len() as u64);
+    let mut all = Vec::new();
+    for (i, goal) in goals.iter().enumerate() {
+        let ask = Ask::learn(goal, twin.robot.dof()).context("--for")?;
+        let request = Request { ask, ..request(args, &twin)? };
+        let before = i as u64 * each;
+        let done = |tried: usize| bar.set_position(before + tried as u64);
+        all.push(study::measure(&twin, goal, &request, seeds, done)?);
+    }
+    bar.finish_and_clear();
+    let source =
+        args.twin.as_ref().map_or_else(String::new, |t| format!(" --twin {}", t.display()));
+    let mut text = format!(
+        "# What designed motions tell\n\nMade by `armtwin excite{source} --for {} --seconds {} \
+         --study {seeds}`, armtwin {}.\n\nExpected 99 % intervals of every parameter under white \
+         noise, beside the median of random sines of the same length and limits. Percentages: half-width \
+         over what the parameter, or an error of it, may well be, geometric mean over a group.\n",
+        args.what,
+        args.seconds,
+        env!("CARGO_PKG_VERSION"),
+    );
+    all.iter().for_each(|m| text += &format!("\n{}", study::page(m)));
+    args.out.iter().try_for_each(|path| save::text(path, &text))?;
+    if let Some(path) = &args.json {
+        save::json(path, "armtwin.excitation_study/1", &serde_json::json!({ "goals": all }))?;
+    }
+    print!("{text}");
     Ok(())
 }
 
@@ -146,7 +196,8 @@ fn request(args: &Args, twin: &Twin) -> anyhow::Result<Request> {
 
 /// Two opposite corners, in any order.
 fn cuboid(text: &str) -> anyhow::Result<Cuboid> {
-    let wrong = || anyhow!("--keep-out {text}: give six finite numbers: x0,y0,z0,x1,y1,z1, in metres");
+    let wrong =
+        || anyhow!("--keep-out {text}: give six finite numbers: x0,y0,z0,x1,y1,z1, in metres");
     let numbers: Vec<f64> =
         text.split(',').map(|w| w.trim().parse().map_err(|_| wrong())).collect::<Result<_, _>>()?;
     let [x0, y0, z0, x1, y1, z1] = numbers[..] else { return Err(wrong()) };
@@ -172,6 +223,5 @@ fn refuse_missing_folder(path: &Path) -> anyhow::Result<()> {
 
 fn progress(evaluations: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("designing {wide_bar} {percent} %, {eta} left");
-    ProgressBar::new(evaluations)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    ProgressBar::new(evaluations).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

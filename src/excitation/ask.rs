@@ -98,8 +98,7 @@ impl Term {
             }
             Some(number) => {
                 let joint = number.parse().ok().filter(|j| (1..=dof).contains(j));
-                let wrong =
-                    || AskError::Joint { text: text.into(), joint: number.into(), dof };
+                let wrong = || AskError::Joint { text: text.into(), joint: number.into(), dof };
                 vec![joint.ok_or_else(wrong)? - 1]
             }
         };

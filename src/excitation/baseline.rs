@@ -11,7 +11,7 @@ use crate::twin::Twin;
 /// The random motions that hold all limits.
 pub struct RandomSines {
     pub answers: Vec<Option<Answer>>,
-    /// How many were drawn to get them.
+    /// How many were drawn.
     pub drawn: usize,
     /// Largest distance from the middle pose at which enough of them hold the limits, rad.
     pub range_rad: f64,
@@ -20,8 +20,6 @@ pub struct RandomSines {
 const KINDS: [Kind; 2] = [Kind::RandomFrequency, Kind::Fourier];
 /// Drawn per kind and range.
 const SEEDS: u64 = 12;
-/// Wanted in all.
-const WANTED: usize = 10;
 /// Fewer have no median worth the name.
 const ENOUGH: usize = 5;
 const HALVINGS: i32 = 4;
@@ -35,20 +33,18 @@ pub fn random_sines(
     filled: &Twin,
     like: &Settings,
 ) -> RandomSines {
-    let mut drawn = 0;
+    let drawn = KINDS.len() * SEEDS as usize;
     for halving in 0..=HALVINGS {
         let range_rad = like.range_rad * 0.5_f64.powi(halving);
         let all: Vec<Settings> = (1..=SEEDS)
             .flat_map(|seed| KINDS.map(|kind| Settings { kind, seed, range_rad, ..like.clone() }))
             .collect();
-        drawn += all.len();
         let held = |s: Settings| {
             let motion = s.trajectory(limits.robot).ok()?.sampled(DT);
             holds(&motion, limits, filled).then_some(motion)
         };
-        let mut motions: Vec<Sampled> = all.into_par_iter().filter_map(held).collect();
+        let motions: Vec<Sampled> = all.into_par_iter().filter_map(held).collect();
         if motions.len() >= ENOUGH || (halving == HALVINGS && !motions.is_empty()) {
-            motions.truncate(WANTED);
             let answers = motions.par_iter().map(|m| question.answer(m, DT)).collect();
             return RandomSines { answers, drawn, range_rad };
         }

@@ -28,11 +28,12 @@ pub struct Candidate {
     pub coefficients: Vec<Vec<f64>>,
 }
 
-/// Longest period wanted, s: the motion is a whole number of periods.
-const PERIOD_S: f64 = 14.0;
+/// About the period wanted, s: the motion is a whole number of them. Longer ones have more
+/// coefficients than a search of seconds makes use of.
+const PERIOD_S: f64 = 9.0;
 const HARMONICS: [f64; 2] = [4.0, 12.0];
 /// Highest frequency over the one from which acceleration and no longer speed is the limit.
-const BEYOND_CORNER: f64 = 1.5;
+const BEYOND_CORNER: f64 = 1.25;
 const FADE_S: f64 = 2.0;
 /// Grid points in a period of the highest harmonic.
 const POINTS_PER_PERIOD: f64 = 20.0;

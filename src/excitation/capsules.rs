@@ -37,8 +37,9 @@ pub struct Closest {
 
 /// Without a radius given: this share of the length of the arm, about a UR's.
 const RADIUS_SHARE: f64 = 0.05;
-/// Capsules with less than so many radii of arm between them are not judged.
-const APART_RADII: f64 = 3.0;
+/// Capsules with less than so many radii of arm between them are not judged: the housings of a UR wrist
+/// are nearer than that in every pose.
+const APART_RADII: f64 = 4.0;
 /// Closer than this is the same place, m.
 const SAME_M: f64 = 1e-9;
 

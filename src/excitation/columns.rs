@@ -111,7 +111,12 @@ impl Unknowns {
         };
         let linear: Vec<_> = of(Role::Linear).collect();
         for (p, size) in linear.iter().zip(effect_sizes(effect, &linear, robot, joint)) {
-            self.all.push(Unknown { name: p.name.into(), unit: p.unit, group: group.clone(), size });
+            self.all.push(Unknown {
+                name: p.name.into(),
+                unit: p.unit,
+                group: group.clone(),
+                size,
+            });
         }
     }
 
@@ -131,9 +136,7 @@ impl Source {
                     body_regressor_series(motion.robot, motion.q, motion.qd, motion.qdd, *link);
                 series.iter().map(|s| lists(s, |joint| joint <= *link)).collect()
             }
-            Source::Effect { effect, joint, nonlinear }
-                if effect.about().scope == Scope::Joint =>
-            {
+            Source::Effect { effect, joint, nonlinear } if effect.about().scope == Scope::Joint => {
                 let alone = |column: Vec<f64>| {
                     let mut lists = vec![Vec::new(); dof];
                     lists[*joint] = column;

@@ -93,8 +93,8 @@ const TORQUE_SHARE: f64 = 0.9;
 /// Beyond the clearance, for what lies between grid points, m.
 const SPARE_M: f64 = 0.005;
 /// Random motions from the best of which the search goes on, of all that it may try.
-const START_SHARE: f64 = 0.1;
-const SIGMA: f64 = 0.4;
+const START_SHARE: f64 = 0.05;
+const SIGMA: f64 = 0.2;
 /// If simulation breaks a limit the motion is made so much smaller, so many times.
 const SMALLER: f64 = 0.97;
 const ATTEMPTS: i32 = 6;
@@ -185,9 +185,8 @@ fn best(
         Worth { exceeded, log_det: answer.map_or(f64::NEG_INFINITY, |a| a.log_det) }
     };
     let mut rng = ChaCha8Rng::seed_from_u64(request.seed);
-    let mut draw = |_| -> Vec<f64> {
-        (0..family.dimensions()).map(|_| rng.random_range(-1.0..1.0)).collect()
-    };
+    let mut draw =
+        |_| -> Vec<f64> { (0..family.dimensions()).map(|_| rng.random_range(-1.0..1.0)).collect() };
     let evaluations = request.evaluations;
     let starts = ((START_SHARE * evaluations as f64) as usize).max(1);
     let starts = (0..starts).map(&mut draw).collect();
@@ -270,11 +269,11 @@ impl Request {
     }
 
     fn check(&self, dof: usize) -> Result<(), ExcitationError> {
-        let must = |key, value: f64, range: std::ops::RangeInclusive<f64>, condition| {
-            match range.contains(&value) {
-                true => Ok(()),
-                false => Err(ExcitationError::Number { key, value, condition }),
-            }
+        let must = |key, value: f64, range: std::ops::RangeInclusive<f64>, condition| match range
+            .contains(&value)
+        {
+            true => Ok(()),
+            false => Err(ExcitationError::Number { key, value, condition }),
         };
         let least = f64::MIN_POSITIVE;
         must("--seconds", self.seconds, 6.0..=600.0, "from 6 to 600")?;

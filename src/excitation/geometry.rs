@@ -49,7 +49,8 @@ pub fn segment_box([p, q]: &Segment, cuboid: &Cuboid) -> f64 {
     let d = q - p;
     let outside = |t: f64| Vector3::from_fn(|i, _| cuboid.beyond(i, p[i] + t * d[i]));
     let slope = |t: f64| outside(t).dot(&d);
-    let crossings = (0..3).flat_map(|i| [cuboid.lower[i], cuboid.upper[i]].map(|x| (x - p[i]) / d[i]));
+    let crossings =
+        (0..3).flat_map(|i| [cuboid.lower[i], cuboid.upper[i]].map(|x| (x - p[i]) / d[i]));
     let mut places: Vec<f64> = crossings.filter(|t| *t > 0.0 && *t < 1.0).collect();
     places.extend([0.0, 1.0]);
     places.sort_by(f64::total_cmp);

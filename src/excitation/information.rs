@@ -29,6 +29,8 @@ pub struct Information {
 
 /// A column with less than this share of its length to itself says nothing of its own.
 const OWN_SHARE: f64 = 1e-6;
+/// Nor does one that is nothing but rounding, in units of the noise.
+const LEAST: f64 = 1e-9;
 
 impl Rows {
     /// What the rows of a column that count hold at one joint, weighed; empty where it is not felt.
@@ -55,11 +57,15 @@ impl Rows {
 /// Which columns, from the first to the last, do not follow from those before them: base parameters
 /// (Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990; by QR, Gautier, J. Robotic
 /// Systems 8(4), 1991).
-pub fn independent(columns: &[Column], rows: &Rows) -> Vec<bool> {
+/// `sizes` are those of the parameters.
+pub fn independent(columns: &[Column], sizes: &[f64], rows: &Rows) -> Vec<bool> {
     let stacked: Vec<Vec<f64>> = columns.iter().map(|c| rows.stacked(c)).collect();
     let lengths: Vec<f64> = stacked.iter().map(|c| dot(c, c).sqrt()).collect();
     let qr = Qr::new(stacked);
-    lengths.iter().enumerate().map(|(k, l)| qr.r[(k, k)] > OWN_SHARE * l).collect()
+    let of_its_own = |(k, (length, size)): (usize, (&f64, &f64))| {
+        qr.r[(k, k)] > OWN_SHARE * length && qr.r[(k, k)] * size > LEAST
+    };
+    lengths.iter().zip(sizes).enumerate().map(of_its_own).collect()
 }
 
 impl Information {
@@ -158,8 +164,9 @@ mod tests {
         let dependent = vec![sum(0).collect(), sum(1).collect()];
         columns.insert(4, dependent);
         columns.push(vec![vec![], vec![]]);
-        let expected = [true, true, true, true, false, true, false];
-        assert_eq!(independent(&columns, &rows), expected);
+        columns.push(vec![(0..80).map(|i| 1e-16 * f64::from(i % 7)).collect(), vec![]]);
+        let expected = [true, true, true, true, false, true, false, false];
+        assert_eq!(independent(&columns, &[1.0; 8], &rows), expected);
         assert!(Information::new(&columns[..6], 2, &rows).is_none());
     }
 }

@@ -94,10 +94,9 @@ impl<'a> Limits<'a> {
         let Envelope { centre, range, velocity, .. } = &self.envelope;
         let zero = vec![0.0; tau.joints()];
         let nothing = || Reached { joint: 1, value: 0.0, limit: 1.0 };
-        let closest = self.nearest(q).map(|(distance_m, what)| Closest {
-            distance_m,
-            between: self.capsules.named(what),
-        });
+        let closest = self
+            .nearest(q)
+            .map(|(distance_m, what)| Closest { distance_m, between: self.capsules.named(what) });
         Held {
             angle_rad: Reached::worst(q, centre, range).unwrap_or_else(nothing),
             speed_rad_s: Reached::worst(qd, &zero, velocity).unwrap_or_else(nothing),
@@ -126,13 +125,14 @@ impl Held {
         };
         let near = self.closest.as_ref().filter(|c| c.distance_m < clearance_m).map(|c| {
             let ([a, b], mm) = (&c.between, 1e3 * c.distance_m);
-            format!("{a} and {b} come within {mm:.0} mm, {:.0} mm are to be kept", 1e3 * clearance_m)
+            format!(
+                "{a} and {b} come within {mm:.0} mm, {:.0} mm are to be kept",
+                1e3 * clearance_m
+            )
         });
         over("range from the middle", "rad", Some(&self.angle_rad))
             .or_else(|| over("speed limit", "rad/s", Some(&self.speed_rad_s)))
-            .or_else(|| {
-                over("acceleration limit", "rad/s2", self.acceleration_rad_s2.as_ref())
-            })
+            .or_else(|| over("acceleration limit", "rad/s2", self.acceleration_rad_s2.as_ref()))
             .or_else(|| over("torque limit", "N.m", self.torque_nm.as_ref()))
             .or(near)
     }

@@ -24,6 +24,9 @@ mod scenario;
 mod simulated;
 pub mod write;
 
+#[cfg(test)]
+mod tests;
+
 pub use ask::{Ask, AskError, Term};
 pub use capsules::{Capsules, Closest, Surroundings};
 pub use design::{Design, ExcitationError, Request, design};

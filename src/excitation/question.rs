@@ -89,7 +89,7 @@ impl<'a> Question<'a> {
         let rows = question.rows(&anything, 1.0);
         let kept: Vec<_> = question.on(&anything, 1.0, |motion| {
             let problems = question.problems.iter();
-            problems.map(|p| independent(&p.columns(motion), &rows)).collect()
+            problems.map(|p| independent(&p.columns(motion), &p.sizes(), &rows)).collect()
         });
         question.problems.iter_mut().zip(kept).for_each(|(p, kept)| p.kept = kept);
         question
@@ -151,6 +151,15 @@ impl<'a> Question<'a> {
 }
 
 impl Problem {
+    /// Of the parameters of [`Problem::columns`].
+    fn sizes(&self) -> Vec<f64> {
+        let all = self.unknowns.all.iter().map(|u| u.size);
+        match self.together {
+            true => all.take(self.besides).chain([1.0]).collect(),
+            false => all.collect(),
+        }
+    }
+
     /// All of them, before any is left out.
     fn columns(&self, motion: &Motion<'_>) -> Vec<Column> {
         let mut columns = self.unknowns.columns(motion);

@@ -57,6 +57,8 @@ pub struct Told {
 pub struct Group {
     pub name: String,
     pub parameters: usize,
+    /// How many of them this motion tells to less than their size.
+    pub sharp: usize,
     /// Half-width over size.
     pub relative_half_width: f64,
     pub random_sines_relative_half_width: Option<f64>,
@@ -75,6 +77,9 @@ pub struct Baseline {
 
 /// Of a normal distribution: 99 % lie within so many standard deviations.
 const WITHIN_99: f64 = 2.575_829_303_548_901;
+
+/// A rival that is ahead by so many nats is ahead for sure.
+const DECIDES_NATS: f64 = 6.0;
 
 pub(super) fn report(
     request: &Request,
@@ -116,7 +121,11 @@ pub(super) fn report(
         groups: groups(&told),
         narrower: told.iter().map(ratio).collect::<Option<Vec<_>>>().and_then(|r| mean(&r)),
         told,
-        not_told: question.not_told().iter().map(|u| format!("{} of {}", u.name, u.group)).collect(),
+        not_told: question
+            .not_told()
+            .iter()
+            .map(|u| format!("{} of {}", u.name, u.group))
+            .collect(),
         nats: rivals.is_some().then(|| nats(answer)),
         random_sines: Baseline {
             motions: random.answers.len(),
@@ -159,6 +168,7 @@ fn groups(told: &[Told]) -> Vec<Group> {
         Group {
             name: m.first().map_or_else(String::new, |t| t.group.clone()),
             parameters: m.len(),
+            sharp: here.iter().filter(|w| **w < 1.0).count(),
             relative_half_width: mean(&here).unwrap_or(f64::INFINITY),
             random_sines_relative_half_width: random
                 .collect::<Option<Vec<_>>>()
@@ -188,8 +198,14 @@ fn rivals(report: &Report) -> String {
         report.random_sines.motions,
         paragraph(
             "",
-            "Whichever of the two is there, at the size it may well have: the log-likelihood by which \
-             the recording favours it over the other. 6 nats decide."
+            &format!(
+                "Whichever of the two is there, at the size it may well have: the log-likelihood by \
+                 which the recording favours it over the other. {}",
+                match report.nats {
+                    Some(nats) if nats >= DECIDES_NATS => "6 nats decide.",
+                    _ => "Less than 6 nats decide nothing: a longer motion or wider limits may.",
+                }
+            )
         )
     )
 }
@@ -203,15 +219,16 @@ fn widths(report: &Report) -> String {
         let members: Vec<&Told> = report.told.iter().filter(|t| t.group == g.name).collect();
         let [here, random] = match members[..] {
             [t] => [Some(t.half_width), t.random_sines_half_width]
-                .map(|w| w.map_or("-".into(), |w| format!("{w:.2e} {}", t.unit))),
+                .map(|w| w.map_or("-".into(), |w| format!("{} {}", short(w), t.unit))),
             _ => [Some(g.relative_half_width), g.random_sines_relative_half_width]
                 .map(|w| w.map_or("-".into(), |w| format!("{:.1} %", 100.0 * w))),
         };
         let ratio = g.random_sines_relative_half_width.map(|r| r / g.relative_half_width);
         let ratio = ratio.map_or("-".into(), |r| format!("{r:.2}"));
-        vec![g.name.clone(), g.parameters.to_string(), here, random, ratio]
+        let sharp = format!("{} of {}", g.sharp, g.parameters);
+        vec![g.name.clone(), sharp, here, random, ratio]
     });
-    let header = ["asked for", "parameters", "this motion +-", "random sines +-", "ratio"];
+    let header = ["asked for", "sharp", "this motion +-", "random sines +-", "ratio"];
     let mut text = format!(
         "{} parameters in {:.0} s: intervals {by}.\n\nExpected 99 % intervals\n{}\n",
         report.told.len(),
@@ -223,8 +240,9 @@ fn widths(report: &Report) -> String {
         &format!(
             "White noise of {} N.m on the joints' torque, {:.0} Hz; friction, rotor inertia and \
              offset of every joint are fitted along. Percentages: of what a parameter, or an error of \
-             it, may well be, geometric mean over the group. Random sines: median of {} of the same \
-             length and limits ({} drawn, range {:.2} rad; the others come too near to something).",
+             it, may well be, geometric mean over the group; sharp: parameters told to less than \
+             that. Random sines: median of those {} of \
+             {} drawn ones that hold the limits, of the same length, range {:.2} rad.",
             list(&report.recorder.noise_nm),
             report.recorder.rate_hz,
             report.random_sines.motions,
@@ -243,6 +261,12 @@ fn widths(report: &Report) -> String {
         );
     }
     text
+}
+
+/// Three significant digits.
+fn short(value: f64) -> String {
+    let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0);
+    format!("{value:.*}", digits as usize)
 }
 
 fn list(values: &[f64]) -> String {

@@ -61,6 +61,7 @@ fn kind_name(kind: Kind) -> toml::Value {
 
 /// The `[effects.NAME]` table.
 fn table(twin: &Twin, effect: &dyn Effect) -> BTreeMap<String, PerJoint> {
-    let value = |name: &str| Some((name.to_string(), PerJoint::Each(twin.values.get(name)?.clone())));
+    let value =
+        |name: &str| Some((name.to_string(), PerJoint::Each(twin.values.get(name)?.clone())));
     effect.about().parameters.iter().filter_map(|p| value(p.name)).collect()
 }

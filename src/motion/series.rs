@@ -2,8 +2,8 @@
 
 use super::path::Path;
 use super::trajectory::{Piece, Shape, Trajectory, Wave};
-use super::{Envelope, MotionError, Sampled};
 use super::waves::peaks;
+use super::{Envelope, MotionError, Sampled};
 use crate::robot::Robot;
 
 /// The `[motion.series]` table: q = home + window(t) sum over k of a_k sin(k w t) + b_k cos(k w t),
@@ -92,7 +92,8 @@ fn within_limits(piece: &Piece, centre: &[f64], robot: &Robot) -> Result<(), Mot
         let limits = &body.joint.limits;
         let room = (centre[j] - limits.lower).min(limits.upper - centre[j]);
         let [q, qd, _] = peaks(piece, j);
-        let beyond = |what, reached, limit| MotionError::Beyond { joint: j + 1, what, reached, limit };
+        let beyond =
+            |what, reached, limit| MotionError::Beyond { joint: j + 1, what, reached, limit };
         if q > room {
             return Err(beyond("rad from home_rad", q, room));
         }

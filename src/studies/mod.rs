@@ -2,6 +2,7 @@
 
 pub mod detectability;
 mod error;
+pub mod excitation;
 pub mod recovery;
 mod strength;
 pub mod sweep;

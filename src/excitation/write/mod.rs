@@ -5,6 +5,9 @@ mod joint_trajectory;
 mod scenario;
 mod urscript;
 
+#[cfg(test)]
+mod tests;
+
 use std::io;
 use std::path::Path;
 
