@@ -163,14 +163,18 @@ mod tests {
     }
 
     #[test]
-    fn folded_on_itself_the_arm_overlaps_and_stretched_it_does_not() {
+    fn folded_on_itself_the_arm_touches_and_stretched_it_does_not() {
         let robot = builtin("ur5").unwrap();
         let capsules = Capsules::new(&robot, None, 0.0);
         assert!((0.05..0.07).contains(&capsules.radius), "{}", capsules.radius);
         let at = |q: [f64; 6]| capsules.closest(&robot, &q, &NOTHING).unwrap();
         assert!(at([0.0, -1.57, 0.0, 0.0, 0.0, 0.0]).distance_m > 0.02);
         let folded = at([0.0, -1.57, 3.0, 0.0, 0.0, 0.0]);
-        assert!(folded.distance_m < -0.05, "{folded:?}");
+        // The wrist lies d4 = 0.109915 m beside the upper arm, which is two radii.
+        assert!(
+            (folded.distance_m - (0.109915 - 2.0 * capsules.radius)).abs() < 2e-3,
+            "{folded:?}"
+        );
     }
 
     #[test]

@@ -97,14 +97,15 @@ pub(super) fn report(
             unit: unknown.unit,
             size: unknown.size,
             half_width: WITHIN_99 * deviation,
-            random_sines_half_width: median(random, |a| a.deviations[i]).map(|d| WITHIN_99 * d),
+            random_sines_half_width: median(random, f64::INFINITY, |a| a.deviations[i])
+                .map(|d| WITHIN_99 * d),
         })
         .collect();
     let rivals = match &request.ask {
         Ask::Apart(rivals) => Some(rivals.clone().map(|r| r.says())),
         Ask::Learn { .. } => None,
     };
-    // Of a motion that determines nothing, none; the square of a torque over the noise is twice that.
+    // Half the sum of squares that the other cannot imitate, over the noise.
     let nats = |a: &Answer| 0.5 * a.log_det.exp();
     let ratio = |t: &Told| Some(t.random_sines_half_width? / t.half_width);
     Report {
@@ -131,18 +132,19 @@ pub(super) fn report(
             motions: random.answers.len(),
             drawn: random.drawn,
             range_rad: random.range_rad,
-            nats: rivals.is_some().then(|| median(random, nats)).flatten(),
+            nats: rivals.is_some().then(|| median(random, 0.0, nats)).flatten(),
         },
         rivals,
     }
 }
 
-/// Over the random motions; those that determine nothing count as the worst. `None` where the median
-/// is one of them.
-fn median(random: &RandomSines, of: impl Fn(&Answer) -> f64) -> Option<f64> {
-    let mut all: Vec<f64> = random.answers.iter().flatten().map(of).collect();
+/// Over the random motions; one that determines nothing counts as `worst`. `None` where the median is
+/// such a one.
+fn median(random: &RandomSines, worst: f64, of: impl Fn(&Answer) -> f64) -> Option<f64> {
+    let value = |a: &Option<Answer>| a.as_ref().map_or(worst, &of);
+    let mut all: Vec<f64> = random.answers.iter().map(value).collect();
     all.sort_by(f64::total_cmp);
-    all.get(random.answers.len() / 2).copied()
+    all.get(all.len() / 2).copied().filter(|x| x.is_finite())
 }
 
 /// Geometric.

@@ -19,7 +19,8 @@ pub fn text(design: &Design) -> String {
     let (start, still) = (sample(&s.q, 0), sample(&s.qd, 0));
     let mut text = format!(
         "# Designed by armtwin excite, seed {seed}: {seconds} s.\n\
-         # Free the space around the arm, and run it slowly first (speed slider).\n\
+         # Nobody checked the way to the start (movej): bring the arm near it first, and run the program\n\
+         # slowly (speed slider).\n\
          def excite():\n\
          \x20 global q0 = {start}\n\
          \x20 global v0 = {still}\n\
