@@ -145,7 +145,8 @@ fn measure(args: &Args, seeds: u64) -> anyhow::Result<()> {
         "# What designed motions tell\n\nMade by `armtwin excite{source} --for {} --seconds {} \
          --study {seeds}`, armtwin {}.\n\nExpected 99 % intervals of every parameter under white \
          noise, beside the median of random sines of the same length and limits. Percentages: half-width \
-         over what the parameter, or an error of it, may well be, geometric mean over a group.\n",
+         over what the parameter, or an error of it, may well be, geometric mean over a group; beyond 100 % \
+         such noise hides it.\n",
         args.what,
         args.seconds,
         env!("CARGO_PKG_VERSION"),
