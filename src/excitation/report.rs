@@ -215,7 +215,13 @@ fn rivals(report: &Report) -> String {
 fn widths(report: &Report) -> String {
     let by = report.narrower.map_or_else(
         || "random sines leave some of it undetermined".to_string(),
-        |n| format!("{n:.2} times narrower than with random sines (geometric mean)"),
+        |n| match n >= 1.0 {
+            true => format!("{n:.2} times narrower than with random sines (geometric mean)"),
+            false => format!(
+                "{:.2} times wider than with random sines (geometric mean): try more --evaluations",
+                1.0 / n
+            ),
+        },
     );
     let rows = report.groups.iter().map(|g| {
         let members: Vec<&Told> = report.told.iter().filter(|t| t.group == g.name).collect();
