@@ -210,7 +210,7 @@ fn a_series_is_the_sum_of_its_coefficients() {
     assert!(wrong(&|s| s.fade_s = 5.1).contains("motion.series.fade_s = 5.1"));
     assert!(wrong(&|s| s.sine_rad.truncate(5)).contains("6 lists"));
     assert!(wrong(&|s| s.cosine_rad[2].push(0.0)).contains("equally long"));
-    assert!(wrong(&|s| s.sine_rad[0][0] = 3.0).contains("joint 1 reaches 3.7"));
+    assert!(wrong(&|s| s.sine_rad[0][0] = 3.0).contains("joint 1 reaches 3.03"));
     let none = Settings { series: None, ..settings }.trajectory(&arm()).unwrap_err();
     assert!(none.to_string().contains("[motion.series]"), "{none}");
 }
