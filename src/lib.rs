@@ -17,6 +17,7 @@ pub mod case_studies;
 pub mod cli;
 pub mod diagnosis;
 pub mod effects;
+pub mod excitation;
 pub mod export;
 pub mod external_wrench;
 pub mod files;

@@ -68,6 +68,14 @@ fn rooms_only_look_upstream() {
     for room in core {
         assert_never_uses(room, &["cli", "viewer", "report"]);
     }
+    // Recordings that exist are explained without it.
+    for room in ["simulation", "identification", "diagnosis", "trials", "twin", "motion"] {
+        assert_never_uses(room, &["excitation"]);
+    }
+    assert_never_uses(
+        "excitation",
+        &["diagnosis", "identification", "cli", "viewer", "report::html"],
+    );
     // Pages show what these find; tables as text are for all of them.
     for room in ["diagnosis", "motor", "studies", "trials", "case_studies"] {
         assert_never_uses(room, &["cli", "viewer", "report::html"]);

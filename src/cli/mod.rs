@@ -14,6 +14,7 @@ mod demo;
 mod detect;
 mod diagnose;
 mod effects;
+mod excite;
 mod export;
 mod identify;
 mod inspect;
@@ -56,6 +57,7 @@ enum Command {
     Detect(detect::Args),
     Diagnose(diagnose::Args),
     Effects(effects::Args),
+    Excite(Box<excite::Args>),
     Export(export::Args),
     Identify(identify::Args),
     Inspect(inspect::Args),
@@ -95,6 +97,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Detect(args) => detect::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Effects(args) => effects::run(&args),
+        Command::Excite(args) => excite::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Inspect(args) => inspect::run(&args),

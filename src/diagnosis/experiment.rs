@@ -7,16 +7,20 @@
 use nalgebra::Rotation3;
 use rayon::prelude::*;
 
-use super::candidate::describe;
+use super::candidate::{Candidate, Place, describe};
 use super::data::Data;
 use super::fit::Fit;
 use super::hypotheses::Hypothesis;
 use super::observed::Observed;
 use super::{Floor, Settings};
+use crate::effects::{Scope, Seen};
 use crate::motion::{Kind, Settings as Motion};
 use crate::series::JointSeries;
 use crate::signals::Samples;
 use crate::twin::Twin;
+
+/// Stands in a command for the file of the twin, which a diagnosis does not know.
+pub const TWIN: &str = " --twin TWIN";
 
 /// Of every motion of the menu, s.
 const LENGTH_S: f64 = 30.0;
@@ -94,9 +98,29 @@ pub fn next(
     let kind = serde_json::to_string(kind).unwrap_or_default();
     format!(
         "to tell {first} from {second}: {says} ({:.0} nats in {LENGTH_S:.0} s); in a scenario of \
-         `armtwin simulate`: [motion] kind = {kind}, acceleration_rad_s2 = {acceleration_rad_s2}",
-        nats[best]
+         `armtwin simulate`: [motion] kind = {kind}, acceleration_rad_s2 = {acceleration_rad_s2}{}",
+        nats[best],
+        designed(rivals.map(|h| h.trial.candidate), &MENU[best])
     )
+}
+
+/// The command that designs a motion for it, where the motion is all that changes and torque shows
+/// both.
+fn designed(rivals: [Candidate; 2], experiment: &Experiment) -> String {
+    let by_torque = |c: &Candidate| c.effect.seen() == Seen::Columns;
+    let [one, other] = rivals.map(|c| match c.place {
+        Place::Joint(j) if c.effect.about().scope != Scope::Arm => {
+            format!("{}@{}", c.name(), j + 1)
+        }
+        _ => c.name().to_string(),
+    });
+    match rivals.iter().all(by_torque) && experiment.change == Change::Nothing {
+        true => format!(
+            "; a motion made for it: `armtwin excite{TWIN} --apart {one},{other} --seconds \
+             {LENGTH_S:.0} -o next.csv`"
+        ),
+        false => String::new(),
+    }
 }
 
 /// Log-likelihood, nats, by which a recording of the experiment would favour the first rival if it
@@ -171,4 +195,24 @@ fn planned(twin: &Twin, like: &Samples, experiment: &Experiment, seed: u64) -> O
         dt: like.dt,
         conditioning: like.conditioning.clone(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+
+    /// What is offered can be run, by the words of the command line.
+    #[test]
+    fn the_command_names_both_rivals() {
+        let at = |name: &str, place| Candidate::new(find(name).unwrap(), place);
+        let pair = [at("payload", Place::Arm), at("link_inertia", Place::Joint(5))];
+        let says = designed(pair, &MENU[0]);
+        let rivals = says.split("--apart ").nth(1).unwrap().split(' ').next().unwrap();
+        assert_eq!(rivals, "payload,link_inertia@6");
+        let loaded = MENU.iter().find(|e| e.change == Change::Load).unwrap();
+        assert_eq!(designed(pair, loaded), "", "a motion alone does not load the arm");
+        let late = [at("payload", Place::Arm), at("time_delay", Place::Arm)];
+        assert_eq!(designed(late, &MENU[0]), "", "no column of torque");
+    }
 }

@@ -56,6 +56,7 @@ pub use answer::{
 pub use conditioning::conditioning;
 pub use criteria::Criteria;
 pub use episodes::{Episode, Touch};
+pub use experiment::TWIN;
 pub use floor::{Floor, FloorFrom, noise_floor};
 pub use gap::gap;
 pub use locate::locate;

@@ -10,6 +10,7 @@ mod mixed;
 mod path;
 mod plateaus;
 mod point_to_point;
+mod series;
 mod settings;
 mod spline;
 mod trajectory;
@@ -19,6 +20,7 @@ mod waves;
 mod tests;
 
 pub use envelope::Envelope;
+pub use series::Series;
 pub use settings::{Kind, MotionError, Settings};
 pub use spline::Spline;
 pub use trajectory::{Sampled, Trajectory};

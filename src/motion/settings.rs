@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::path::Path;
-use super::{Envelope, Trajectory};
+use super::{Envelope, Series, Trajectory};
 use super::{mixed, plateaus, point_to_point, waves};
 use crate::robot::Robot;
 
@@ -28,6 +28,9 @@ pub struct Settings {
     /// Middle of the motion, one angle per joint, rad; left out: a pose above the table for UR
     /// arms, the middle of the joint limits for others.
     pub home_rad: Option<Vec<f64>>,
+    /// Coefficients of the kind `series`; other kinds have no use for them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub series: Option<Series>,
 }
 
 impl Default for Settings {
@@ -41,6 +44,7 @@ impl Default for Settings {
             speed_rad_s: 1.5,
             acceleration_rad_s2: 5.0,
             home_rad: None,
+            series: None,
         }
     }
 }
@@ -59,16 +63,20 @@ pub enum Kind {
     Plateaus,
     /// Random poses with rests.
     PointToPoint,
+    /// A Fourier series with the coefficients of `[motion.series]`, as `armtwin excite` writes it.
+    Series,
 }
 
 impl Kind {
-    fn fill(self) -> fn(&mut Path, f64, &mut ChaCha8Rng) {
+    /// What draws the motion; `None` where its coefficients are given.
+    fn fill(self) -> Option<fn(&mut Path, f64, &mut ChaCha8Rng)> {
         match self {
-            Kind::Mixed => mixed::mixed,
-            Kind::Fourier => waves::fourier,
-            Kind::RandomFrequency => waves::random_frequency,
-            Kind::Plateaus => plateaus::plateaus,
-            Kind::PointToPoint => point_to_point::point_to_point,
+            Kind::Mixed => Some(mixed::mixed),
+            Kind::Fourier => Some(waves::fourier),
+            Kind::RandomFrequency => Some(waves::random_frequency),
+            Kind::Plateaus => Some(plateaus::plateaus),
+            Kind::PointToPoint => Some(point_to_point::point_to_point),
+            Kind::Series => None,
         }
     }
 }
@@ -84,6 +92,18 @@ pub enum MotionError {
          {upper} rad: choose a pose inside"
     )]
     HomeOutside { joint: usize, home: f64, lower: f64, upper: f64 },
+    #[error("motion.kind = \"series\" needs its coefficients: give a table [motion.series]")]
+    NoSeries,
+    #[error(
+        "motion.series: give sine_rad and cosine_rad as {joints} lists of finite numbers, one list \
+         per joint, equally long in both"
+    )]
+    Coefficients { joints: usize },
+    #[error(
+        "motion.series: joint {joint} reaches {reached:.3} {what}, the robot's limit is {limit:.3}: \
+         take smaller coefficients"
+    )]
+    Beyond { joint: usize, what: &'static str, reached: f64, limit: f64 },
 }
 
 impl Settings {
@@ -97,7 +117,12 @@ impl Settings {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let mut path = Path::from_centre(&envelope);
         path.rest_until(self.rest_s);
-        self.kind.fill()(&mut path, self.duration_s - self.rest_s, &mut rng);
+        let until = self.duration_s - self.rest_s;
+        match (self.kind.fill(), &self.series) {
+            (Some(fill), _) => fill(&mut path, until, &mut rng),
+            (None, Some(series)) => series.fill(&mut path, until, robot)?,
+            (None, None) => return Err(MotionError::NoSeries),
+        }
         path.rest_until(self.duration_s);
         Ok(path.finish())
     }

@@ -179,3 +179,38 @@ fn ur_arms_stay_above_the_table() {
         }
     }
 }
+
+/// A scenario's coefficients come out as they stand, and the arm rests at both ends.
+#[test]
+fn a_series_is_the_sum_of_its_coefficients() {
+    let text = "kind = \"series\"\nduration_s = 12\nrest_s = 1\nhome_rad = [0.0, -1.7, 0.9, -0.8, -1.5, 0.1]\n\
+                [series]\nperiod_s = 5.0\nfade_s = 2.0\n\
+                sine_rad = [[0.1, 0.02], [0.0, 0.05], [0.0, 0.0], [0.2, 0.0], [0.0, 0.0], [0.0, -0.1]]\n\
+                cosine_rad = [[0.0, 0.03], [0.1, 0.0], [0.0, 0.0], [0.0, 0.1], [0.0, 0.0], [0.3, 0.0]]";
+    let settings: Settings = toml::from_str(text).unwrap();
+    let motion = settings.trajectory(&arm()).unwrap();
+    let (mut q, mut qd, mut qdd) = ([0.0; 6], [0.0; 6], [0.0; 6]);
+    motion.at(5.3, &mut q, &mut qd, &mut qdd);
+    let w = std::f64::consts::TAU / 5.0;
+    let (s1, c1) = (w * 4.3).sin_cos();
+    let (s2, c2) = (2.0 * w * 4.3).sin_cos();
+    assert!((q[0] - (0.1 * s1 + 0.02 * s2 + 0.03 * c2)).abs() < 1e-12);
+    assert!((q[5] - (0.1 - 0.1 * s2 + 0.3 * c1)).abs() < 1e-12);
+    assert!((qd[3] - w * (0.2 * c1 - 2.0 * 0.1 * s2)).abs() < 1e-12);
+    motion.at(0.5, &mut q, &mut qd, &mut qdd);
+    assert_eq!((q[1], qd), (-1.7, [0.0; 6]));
+    assert_eq!(toml::from_str::<Settings>(&toml::to_string(&settings).unwrap()).unwrap(), settings);
+
+    let wrong = |change: &dyn Fn(&mut super::Series)| {
+        let mut bad = settings.clone();
+        bad.series.iter_mut().for_each(change);
+        bad.trajectory(&arm()).unwrap_err().to_string()
+    };
+    assert!(wrong(&|s| s.period_s = 0.0).contains("motion.series.period_s = 0"));
+    assert!(wrong(&|s| s.fade_s = 5.1).contains("motion.series.fade_s = 5.1"));
+    assert!(wrong(&|s| s.sine_rad.truncate(5)).contains("6 lists"));
+    assert!(wrong(&|s| s.cosine_rad[2].push(0.0)).contains("equally long"));
+    assert!(wrong(&|s| s.sine_rad[0][0] = 3.0).contains("joint 1 reaches 3.03"));
+    let none = Settings { series: None, ..settings }.trajectory(&arm()).unwrap_err();
+    assert!(none.to_string().contains("[motion.series]"), "{none}");
+}

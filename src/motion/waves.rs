@@ -82,7 +82,7 @@ fn scale(piece: &mut Piece, path: &Path) {
 }
 
 /// Largest absolute position, velocity and acceleration on a 5 ms grid.
-fn peaks(piece: &Piece, joint: usize) -> [f64; 3] {
+pub(super) fn peaks(piece: &Piece, joint: usize) -> [f64; 3] {
     let steps = (piece.duration / 0.005) as usize;
     (0..=steps).fold([0.0; 3], |peak: [f64; 3], k| {
         let now = piece.at(joint, k as f64 * 0.005);

@@ -3,6 +3,7 @@
 pub mod detectability;
 mod error;
 pub mod links;
+pub mod excitation;
 pub mod recovery;
 mod strength;
 pub mod sweep;

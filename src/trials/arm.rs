@@ -74,5 +74,6 @@ fn motion(duration_s: f64, rng: &mut ChaCha8Rng) -> Settings {
         speed_rad_s: rng.random_range(1.2..1.8),
         acceleration_rad_s2: rng.random_range(4.0..6.0),
         home_rad: None,
+        series: None,
     }
 }

@@ -8,6 +8,7 @@ mod deploy;
 mod detect;
 mod diagnose;
 mod effects;
+mod excite;
 mod export;
 mod guide;
 mod identify;

@@ -122,10 +122,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         std::fs::create_dir_all(out)
             .with_context(|| format!("--out {}: cannot be made", out.display()))?;
     }
-    let done = diagnose(twin, recordings, settings, !args.no_simulation).inspect_err(|_| {
+    let mut done = diagnose(twin, recordings, settings, !args.no_simulation).inspect_err(|_| {
         // Only an empty folder is removed.
         fresh.map(std::fs::remove_dir);
     })?;
+    let next = &mut done.diagnosis.next_experiment;
+    *next = next.replace(diagnosis::TWIN, &args.twin_as_given());
     if let Some(out) = &args.out {
         output::write(&done, out)?;
     }
@@ -167,6 +169,12 @@ pub(super) fn diagnose(
 }
 
 impl Args {
+    /// As another command takes it.
+    fn twin_as_given(&self) -> String {
+        // Without one, every command takes the same.
+        self.twin.as_ref().map_or_else(String::new, |twin| format!(" --twin {}", twin.display()))
+    }
+
     fn settings(&self) -> anyhow::Result<Settings> {
         if let Some(unknown) = self.without.iter().find(|name| effects::find(name).is_none()) {
             bail!("--without {unknown}: no such effect; choose from {}", effects::names());
