@@ -106,7 +106,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     for path in &args.out {
         Format::of(path)?;
     }
-    let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
+    let twin = super::twin::load(args.twin.as_deref())?;
     let request = request(args, &twin)?;
     let bar = progress(args.evaluations as u64);
     let designed = design(&twin, &request, |tried| bar.set_position(tried as u64))?;
@@ -126,7 +126,7 @@ fn measure(args: &Args, seeds: u64) -> anyhow::Result<()> {
     if let Some(other) = args.out.iter().find(|p| !markdown(p)) {
         bail!("{}: --study writes Markdown; name the file .md", other.display());
     }
-    let twin = args.twin.as_deref().map_or_else(|| Ok(Twin::default()), Twin::load)?;
+    let twin = super::twin::load(args.twin.as_deref())?;
     let goals: Vec<&str> = args.what.split(',').map(str::trim).filter(|g| !g.is_empty()).collect();
     let each = seeds * args.evaluations as u64;
     let bar = progress(each * goals.len() as u64);

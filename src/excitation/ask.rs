@@ -97,7 +97,7 @@ impl Term {
                 return Err(AskError::WholeArm { text: text.into(), name: effect.about().name });
             }
             Some(number) => {
-                let joint = number.parse().ok().filter(|j| (1..=dof).contains(j));
+                let joint = number.parse::<usize>().ok().filter(|j| (1..=dof).contains(j));
                 let wrong = || AskError::Joint { text: text.into(), joint: number.into(), dof };
                 vec![joint.ok_or_else(wrong)? - 1]
             }

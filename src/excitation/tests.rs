@@ -176,7 +176,7 @@ fn two_joints() -> Twin {
         flange: Placement { translation: Vector3::x(), ..Placement::identity() },
     };
     let drive = Drive::new(vec![1.0; 2], vec![1.0; 2]);
-    Twin { source: "two".into(), robot, drive, effects: vec![], values: Default::default() }
+    Twin { source: "two".into(), robot, drive, effects: vec![], ..Twin::default() }
 }
 
 /// Coulomb and viscous friction beside rotor inertia and offset: dense, joint by joint.

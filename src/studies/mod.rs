@@ -2,8 +2,8 @@
 
 pub mod detectability;
 mod error;
-pub mod links;
 pub mod excitation;
+pub mod links;
 pub mod recovery;
 mod strength;
 pub mod sweep;
