@@ -123,6 +123,10 @@ pub fn candidates(twin: &Twin, without: &[String], recordings: &[usize]) -> Vec<
         for place in places(effect, twin, stated) {
             let everywhere = Candidate { changes: stated, ..Candidate::new(effect, place) };
             all.push(everywhere);
+            if name == "link_inertia" && !stated && place == Place::Joint(0) {
+                let together = effects::inertial_parameters::of_links(twin.robot.dof());
+                all.extend(together.map(|effect| Candidate::new(effect, Place::Arm)));
+            }
             if effect.lasts_a_while() && recordings.len() > 1 {
                 let only =
                     recordings.iter().map(|r| Candidate { recording: Some(*r), ..everywhere });

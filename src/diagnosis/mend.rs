@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{Cause, Value};
-use crate::effects::{self, CATALOGUE, Effect, Parameter, Role, Scope};
+use crate::effects::{self, CATALOGUE, Effect, Parameter, Role, Scope, inertial_parameters};
 use crate::twin::Twin;
 
 /// `twin` with the `fitted` values of what it left open and with the `causes` in it.
@@ -17,8 +17,8 @@ pub fn mend(twin: &Twin, fitted: &BTreeMap<String, Vec<f64>>, causes: &[Cause]) 
         mended.values.insert(name.clone(), values.clone());
         list(&mut mended, name);
     }
-    for cause in causes {
-        add(&mut mended, cause);
+    for cause in causes.iter().flat_map(link_by_link) {
+        add(&mut mended, &cause);
     }
     if let Some(inertia) = mended.values.remove("rotor_inertia") {
         mended.drive.rotor_inertia = inertia;
@@ -35,6 +35,27 @@ fn list(twin: &mut Twin, parameter: &str) {
     if !twin.effects.iter().any(|e| e == effect.about().name) {
         twin.effects.push(effect.about().name.into());
     }
+}
+
+/// A twin holds what all links differ by link by link.
+fn link_by_link(cause: &Cause) -> Vec<Cause> {
+    if cause.effect != inertial_parameters::NAME {
+        return vec![cause.clone()];
+    }
+    let links = cause.parameters.chunks(inertial_parameters::PER_LINK).enumerate();
+    let single = |(link, own): (usize, &[Value])| {
+        let plain = |v: &Value| Value {
+            name: v.name.trim_end_matches(&format!("_{}", link + 1)).into(),
+            ..v.clone()
+        };
+        Cause {
+            effect: "link_inertia".into(),
+            joints: vec![link + 1],
+            parameters: own.iter().map(plain).collect(),
+            ..cause.clone()
+        }
+    };
+    links.map(single).collect()
 }
 
 fn add(twin: &mut Twin, cause: &Cause) {
