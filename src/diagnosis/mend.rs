@@ -166,6 +166,21 @@ mod tests {
         assert_eq!(again, mended);
     }
 
+    /// What all links differ by is written link by link.
+    #[test]
+    fn all_links_at_once_are_link_inertia_in_a_twin() {
+        let effect = inertial_parameters::of_links(6).unwrap();
+        let names = effect.about().parameters.iter().map(|p| p.name);
+        let values: Vec<_> = names.enumerate().map(|(i, name)| (name, 0.01 * i as f64)).collect();
+        let off = cause(inertial_parameters::NAME, &[2, 3], &values);
+        let mended = mend(&Twin::default(), &fitted(), &[off]);
+        assert_eq!(mended.values["link_mass"], [0.0, 0.04, 0.08, 0.12, 0.16, 0.2]);
+        assert_eq!(mended.values["link_moment_z"][1], 0.07);
+        assert!(mended.effects.iter().any(|e| e == "link_inertia"));
+        let again = Twin::parse(&mended.to_toml(), Path::new("twin.toml")).unwrap();
+        assert_eq!(again, mended);
+    }
+
     /// The second of two causes of one kind does not undo the first.
     #[test]
     fn one_effect_at_two_joints() {

@@ -98,3 +98,51 @@ macro_rules! links {
 }
 
 const PARAMETERS: &[Parameter] = &links!(1 2 3 4 5 6 7 8);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{builtin, inverse_dynamics_series};
+
+    /// Links that grow about their centres have the torque of the columns, exactly.
+    #[test]
+    fn columns_are_the_torque_of_the_links_that_are_built() {
+        let robot = builtin("ur5").unwrap();
+        let series = |s: f64| {
+            let joint = |j: usize| (0..20).map(|k| (s * (k * 3 + j + 1) as f64).sin()).collect();
+            JointSeries::from_joints(&(0..6).map(joint).collect::<Vec<Vec<f64>>>())
+        };
+        let (q, qd, qdd) = (series(0.7), series(1.1), series(1.9));
+        let effect = of_links(6).unwrap();
+        let shares = [0.1, -0.2, 0.3, -0.1, 0.2, 0.5];
+        let values: Vec<f64> = robot
+            .bodies
+            .iter()
+            .zip(shares)
+            .flat_map(|(b, share)| {
+                let dm = share * b.inertia.mass;
+                let dh = b.inertia.com * dm;
+                [dm, dh.x, dh.y, dh.z]
+            })
+            .collect();
+        assert_eq!(effect.about().parameters.len(), values.len());
+        assert_eq!(effect.about().parameters[9].name, "link_moment_x_3");
+        let mut mechanism = Mechanism::new(robot.clone());
+        effect.build(&values, 0, &mut mechanism);
+        let torque = |robot: &Robot| inverse_dynamics_series(robot, &q, &qd, &qdd);
+        let (built, before) = (torque(&mechanism.robot), torque(&robot));
+        let columns = effect.reach(&Motion::new(&robot, 0.008, &q, &qd, &qdd), 0, &[]);
+        for joint in 0..6 {
+            for k in 0..20 {
+                let terms = columns.iter().zip(&values).map(|(c, v)| c.joint(joint)[k] * v);
+                let change = built.joint(joint)[k] - before.joint(joint)[k];
+                assert!((terms.sum::<f64>() - change).abs() < 1e-9, "joint {}", joint + 1);
+            }
+        }
+    }
+
+    #[test]
+    fn one_link_is_not_several() {
+        assert!(of_links(1).is_none() && of_links(2).is_some() && of_links(9).is_none());
+    }
+}
