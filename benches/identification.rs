@@ -104,7 +104,7 @@ fn seven_joints() -> (Twin, Samples) {
 /// Base parameters beside friction, rotors and offsets, and the links that bodies can have.
 fn links(twin: &Twin, samples: &Samples) -> f64 {
     let names = ["coulomb", "viscous", "rotor_inertia", "current_offset"];
-    let terms = Terms::named(names.into_iter()).expect("they are in the catalogue");
+    let terms = Terms::named(names).expect("they are in the catalogue");
     let mut arm = assemble(samples, twin, &terms, &BoundsByName::new()).expect("a whole recording");
     let mut inertial = Inertial::of(twin, &terms);
     inertial.attach(&mut arm, samples, twin).expect("a whole recording");

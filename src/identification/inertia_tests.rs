@@ -9,7 +9,7 @@ const NOISE: f64 = 0.1;
 
 /// A UR5 with friction and rotors, to be fitted.
 fn model() -> (Twin, Terms) {
-    (Twin::default(), Terms::named(["coulomb", "viscous", "rotor_inertia"].into_iter()).unwrap())
+    (Twin::default(), Terms::named(["coulomb", "viscous", "rotor_inertia"]).unwrap())
 }
 
 /// What `arm` shows while all joints from `first` on swing.
@@ -127,7 +127,7 @@ fn result_without(result: MethodResult) -> MethodResult {
 fn a_payload_is_as_sure_as_the_links() {
     let (twin, _) = model();
     let names = ["coulomb", "viscous", "rotor_inertia", "payload"];
-    let terms = Terms::named(names.into_iter()).unwrap();
+    let terms = Terms::named(names).unwrap();
     let mut truth = twin.clone();
     for (body, factor) in truth.robot.bodies.iter_mut().zip([1.0, 1.06, 0.93, 1.08, 1.05, 1.1]) {
         body.inertia.mass *= factor;

@@ -34,7 +34,7 @@ fn runs(twin: &Twin) -> [Samples; 2] {
 
 fn found(load: Load) -> TorqueScale {
     let twin = Twin::default();
-    let terms = Terms::named(["coulomb", "viscous", "rotor_inertia"].into_iter()).unwrap();
+    let terms = Terms::named(["coulomb", "viscous", "rotor_inertia"]).unwrap();
     let [free, loaded] = runs(&twin);
     torque_scale(&twin, &terms, [&free, &loaded], load).unwrap()
 }

@@ -60,8 +60,8 @@ impl BaseParameters {
             for (row, &k) in kept.iter().enumerate() {
                 base.grouping[(row, parameter)] = shares[leading + k];
             }
-            for joint in 0..leading {
-                base.rotors[(joint, parameter)] = shares[joint];
+            for (joint, share) in shares[..leading].iter().enumerate() {
+                base.rotors[(joint, parameter)] = *share;
             }
         }
         base.unseen.sort_unstable();

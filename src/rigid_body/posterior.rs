@@ -106,7 +106,7 @@ impl Problem {
         let mut gram = seen.tr_mul(&(&information.gram * &seen));
         let mut pull = seen.tr_mul(&information.pull);
         if let Some(mass) = total_mass {
-            let is_mass = |i: usize| i < links && i % PER_LINK == 0;
+            let is_mass = |i: usize| i < links && i.is_multiple_of(PER_LINK);
             let masses = DVector::from_fn(n, |i, _| f64::from(u8::from(is_mass(i))));
             let row = map.tr_mul(&masses);
             let weight = (TOTAL_MASS * mass).powi(-2);
