@@ -1,7 +1,9 @@
 //! What may be missing in the twin: an effect of the catalogue, somewhere.
 
 use super::observed::Observed;
-use crate::effects::{self, CATALOGUE, Channels, Effect, Mechanism, Motion, Role, Scope, Seen};
+use crate::effects::{
+    self, CATALOGUE, Channels, Effect, Mechanism, Motion, Role, Scope, Seen, inertial_parameters,
+};
 use crate::regression::Blocks;
 use crate::twin::Twin;
 
@@ -157,6 +159,11 @@ impl Candidate {
             Place::Joint(j) if self.effect.about().scope == Scope::Joint => Extent::One(j),
             _ => Extent::Several,
         }
+    }
+
+    /// Is `other` the case in which all but one of the links stay as they are?
+    pub fn contains(&self, other: Self) -> bool {
+        self.name() == inertial_parameters::NAME && other.name() == "link_inertia"
     }
 
     /// Loads of earlier ones are in place where later ones are worked out: a base tilts with the
