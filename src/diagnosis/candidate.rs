@@ -1,9 +1,7 @@
 //! What may be missing in the twin: an effect of the catalogue, somewhere.
 
 use super::observed::Observed;
-use crate::effects::{
-    self, CATALOGUE, Channels, Effect, Mechanism, Motion, Role, Scope, Seen, inertial_parameters,
-};
+use crate::effects::{self, CATALOGUE, Channels, Effect, Mechanism, Motion, Role, Scope, Seen};
 use crate::regression::Blocks;
 use crate::twin::Twin;
 
@@ -125,10 +123,6 @@ pub fn candidates(twin: &Twin, without: &[String], recordings: &[usize]) -> Vec<
         for place in places(effect, twin, stated) {
             let everywhere = Candidate { changes: stated, ..Candidate::new(effect, place) };
             all.push(everywhere);
-            if name == "link_inertia" && !stated && place == Place::Joint(0) {
-                let together = effects::inertial_parameters::of_links(twin.robot.dof());
-                all.extend(together.map(|effect| Candidate::new(effect, Place::Arm)));
-            }
             if effect.lasts_a_while() && recordings.len() > 1 {
                 let only =
                     recordings.iter().map(|r| Candidate { recording: Some(*r), ..everywhere });
@@ -159,11 +153,6 @@ impl Candidate {
             Place::Joint(j) if self.effect.about().scope == Scope::Joint => Extent::One(j),
             _ => Extent::Several,
         }
-    }
-
-    /// Is `other` the case in which all but one of the links stay as they are?
-    pub fn contains(&self, other: Self) -> bool {
-        self.name() == inertial_parameters::NAME && other.name() == "link_inertia"
     }
 
     /// Loads of earlier ones are in place where later ones are worked out: a base tilts with the

@@ -196,8 +196,6 @@ impl<'a> Hypotheses<'a> {
             let cause = &last.model.causes[i];
             let without = self.without(last, i);
             let mut ranked = self.rivals(last, &without, cause.candidate, WEIGHED);
-            // It would say the same of its one link.
-            ranked.retain(|h| !h.candidate().contains(cause.candidate));
             let trial = refine::tried(&without, cause);
             let beside = without.clone().beside(last.sizes.clone());
             ranked.push(self.adopted(&without, &beside, trial));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{Cause, Value};
-use crate::effects::{self, CATALOGUE, Effect, Parameter, Role, Scope, inertial_parameters};
+use crate::effects::{self, CATALOGUE, Effect, Parameter, Role, Scope};
 use crate::twin::Twin;
 
 /// `twin` with the `fitted` values of what it left open and with the `causes` in it.
@@ -17,8 +17,8 @@ pub fn mend(twin: &Twin, fitted: &BTreeMap<String, Vec<f64>>, causes: &[Cause]) 
         mended.values.insert(name.clone(), values.clone());
         list(&mut mended, name);
     }
-    for cause in causes.iter().flat_map(link_by_link) {
-        add(&mut mended, &cause);
+    for cause in causes {
+        add(&mut mended, cause);
     }
     if let Some(inertia) = mended.values.remove("rotor_inertia") {
         mended.drive.rotor_inertia = inertia;
@@ -35,27 +35,6 @@ fn list(twin: &mut Twin, parameter: &str) {
     if !twin.effects.iter().any(|e| e == effect.about().name) {
         twin.effects.push(effect.about().name.into());
     }
-}
-
-/// A twin holds what all links differ by link by link.
-fn link_by_link(cause: &Cause) -> Vec<Cause> {
-    if cause.effect != inertial_parameters::NAME {
-        return vec![cause.clone()];
-    }
-    let links = cause.parameters.chunks(inertial_parameters::PER_LINK).enumerate();
-    let single = |(link, own): (usize, &[Value])| {
-        let plain = |v: &Value| Value {
-            name: v.name.trim_end_matches(&format!("_{}", link + 1)).into(),
-            ..v.clone()
-        };
-        Cause {
-            effect: "link_inertia".into(),
-            joints: vec![link + 1],
-            parameters: own.iter().map(plain).collect(),
-            ..cause.clone()
-        }
-    };
-    links.map(single).collect()
 }
 
 fn add(twin: &mut Twin, cause: &Cause) {
@@ -162,21 +141,6 @@ mod tests {
         assert_eq!(mended.drive.rotor_inertia, [1.0, 1.0, 1.2, 1.0, 0.6, 1.0]);
         assert_eq!(mended.values["coulomb"][5], 0.0, "friction does not push");
         assert_eq!(mended.open().count(), 0);
-        let again = Twin::parse(&mended.to_toml(), Path::new("twin.toml")).unwrap();
-        assert_eq!(again, mended);
-    }
-
-    /// What all links differ by is written link by link.
-    #[test]
-    fn all_links_at_once_are_link_inertia_in_a_twin() {
-        let effect = inertial_parameters::of_links(6).unwrap();
-        let names = effect.about().parameters.iter().map(|p| p.name);
-        let values: Vec<_> = names.enumerate().map(|(i, name)| (name, 0.01 * i as f64)).collect();
-        let off = cause(inertial_parameters::NAME, &[2, 3], &values);
-        let mended = mend(&Twin::default(), &fitted(), &[off]);
-        assert_eq!(mended.values["link_mass"], [0.0, 0.04, 0.08, 0.12, 0.16, 0.2]);
-        assert_eq!(mended.values["link_moment_z"][1], 0.07);
-        assert!(mended.effects.iter().any(|e| e == "link_inertia"));
         let again = Twin::parse(&mended.to_toml(), Path::new("twin.toml")).unwrap();
         assert_eq!(again, mended);
     }

@@ -22,7 +22,7 @@ use super::{
     Cause, Checked, Diagnosis, Floor, Rejected, RoundEvidence, Scored, Settings, Shrink, Value,
     Verdict, experiment, gap, intervals, link_masses, torque_shrink,
 };
-use crate::effects::{Role, inertial_parameters};
+use crate::effects::Role;
 
 const SCHEMA: &str = "armtwin.diagnosis/1";
 
@@ -157,7 +157,7 @@ impl<'a> Findings<'a> {
             .map(|has| Replaced { parameter: about.parameters[0].name.into(), twin: *has });
         Cause {
             effect: about.name.into(),
-            joints: links_off(candidate, values).unwrap_or_else(|| candidate.place.joints()),
+            joints: candidate.place.joints(),
             probability: self.probability(i),
             equivalent: ranking::equivalents(standing, self.criteria()),
             parameters,
@@ -267,16 +267,6 @@ impl<'a> Findings<'a> {
         }
         notes
     }
-}
-
-/// Where all links at once are the cause: those that differ, as far as their intervals tell.
-fn links_off(candidate: Candidate, values: &[Value]) -> Option<Vec<usize>> {
-    if candidate.name() != inertial_parameters::NAME {
-        return None;
-    }
-    let differs = |own: &[Value]| own.iter().any(|v| v.low > 0.0 || v.high < 0.0);
-    let links = values.chunks(inertial_parameters::PER_LINK).enumerate();
-    Some(links.filter(|(_, own)| differs(own)).map(|(link, _)| link + 1).collect())
 }
 
 /// What a cause takes off the check recording's mean square, (N.m)^2.

@@ -1,7 +1,6 @@
 //! A diagnosis in sentences.
 
 use super::{Cause, Diagnosis, Episode, Touch, UnexplainedJoint, Verdict};
-use crate::effects::inertial_parameters;
 
 /// "joint 2", "joints 1, 3" or "the whole arm"; joints count from 1.
 pub fn place(joints: &[usize]) -> String {
@@ -96,9 +95,6 @@ fn lacks(d: &Diagnosis) -> String {
         let least = all.iter().map(|c| c.probability).fold(1.0, f64::min);
         let name = match joints.is_empty() {
             true => first.effect.clone(),
-            false if first.effect == inertial_parameters::NAME => {
-                format!("{} of links {}", first.effect, list(&joints))
-            }
             false => format!("{} at {}", first.effect, place(&joints)),
         };
         // Of several joints the table below says what looks the same at which.
@@ -123,10 +119,9 @@ fn lacks(d: &Diagnosis) -> String {
     format!("The twin lacks {list}.")
 }
 
-/// "payload_mass 2.81 kg, the twin has 0.14; ": the first that is told from zero.
+/// "payload_mass 2.81 kg, the twin has 0.14; "
 fn value(cause: &Cause) -> String {
-    let told = cause.parameters.iter().find(|v| v.low > 0.0 || v.high < 0.0);
-    let Some(first) = told.or(cause.parameters.first()) else { return String::new() };
+    let Some(first) = cause.parameters.first() else { return String::new() };
     let unit = if first.unit == "-" { String::new() } else { format!(" {}", first.unit) };
     let twin = cause.replaces.as_ref();
     let twin = twin.map_or(String::new(), |r| format!(", the twin has {}", short(r.twin)));

@@ -43,13 +43,9 @@ pub fn find(name: &str) -> Option<&'static dyn Effect> {
     CATALOGUE.iter().copied().find(|e| e.about().name == name)
 }
 
-/// Where an effect stands in the catalogue; all links at once where single ones do.
+/// Where an effect stands in the catalogue.
 pub fn order(effect: &dyn Effect) -> usize {
-    let name = match effect.about().name {
-        super::inertial_parameters::NAME => "link_inertia",
-        name => name,
-    };
-    let same = |e: &&dyn Effect| e.about().name == name;
+    let same = |e: &&dyn Effect| e.about().name == effect.about().name;
     CATALOGUE.iter().position(same).unwrap_or(CATALOGUE.len())
 }
 

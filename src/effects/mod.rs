@@ -17,7 +17,6 @@ mod current_offset;
 mod encoder_offset;
 mod external_contact;
 mod hysteresis;
-pub mod inertial_parameters;
 mod joint_coupling;
 mod joint_flexibility;
 mod link_inertia;
