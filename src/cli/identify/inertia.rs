@@ -86,8 +86,8 @@ pub struct Left {
     pub links_nm: Vec<f64>,
 }
 
-/// More than this from the model, and what looks like links is something else.
-const IMPLAUSIBLE: f64 = 1.0;
+/// Half of what links weigh, and more: what looks like links may be something else.
+const IMPLAUSIBLE: f64 = 0.5;
 
 /// What the inertial parameters are fitted beside.
 pub struct Beside<'a> {
