@@ -38,6 +38,9 @@ pub struct Inertial {
 /// They are searched within this many times the size that the model's links could have.
 const RANGE: f64 = 10.0;
 
+/// Torque is known to no better than this share of itself: a simulation without noise says no more.
+const LEAST_NOISE: f64 = 1e-4;
+
 impl Inertial {
     /// Of a twin whose rotor inertias are fitted along where `terms` say so.
     pub fn of(twin: &Twin, terms: &Terms) -> Self {
@@ -280,8 +283,9 @@ fn of_joint(
     let y = unexplained(&own.q, y);
     let seen = |c: &Vec<f64>| unexplained(&own.q, c.clone());
     let columns: Vec<Vec<f64>> = columns.iter().map(seen).collect();
-    let variance = dot(&residual, &residual) / freedom;
-    let weight = effective_samples(&residual) / rows / variance.max(f64::MIN_POSITIVE);
+    let least = LEAST_NOISE.powi(2) * dot(&left.measured, &left.measured) / rows;
+    let variance = (dot(&residual, &residual) / freedom).max(least).max(f64::MIN_POSITIVE);
+    let weight = effective_samples(&residual) / rows / variance;
     let gram = DMatrix::from_fn(n, n, |i, k| match i <= k {
         true => weight * dot(&columns[i], &columns[k]),
         false => 0.0,

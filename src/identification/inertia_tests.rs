@@ -102,6 +102,19 @@ fn links_that_are_found_are_possible_and_have_the_arms_torque() {
     }
 }
 
+/// Torque without any noise is no obstacle.
+#[test]
+fn exact_torque_gives_the_links_of_the_arm() {
+    let (twin, terms) = model();
+    let mut made = recorded(&twin, 0);
+    made.torque = twin.torque(&twin.motion(&made));
+    let Fit { inertial, arm, result } = fit(&twin, &terms, &made);
+    let links = inertial.links(&arm, &result, &twin.robot, None).unwrap();
+    let off = (&links.parameters - parameters::of(&twin.robot))
+        .component_div(&parameters::sizes(&twin.robot).map(|s| s.max(1e-12)));
+    assert!(off.amax() < 0.02, "{off}");
+}
+
 /// A motion of the wrist alone says nothing of the arm's links, and that is said.
 #[test]
 fn what_a_motion_does_not_excite_is_not_told() {
