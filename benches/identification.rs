@@ -109,7 +109,7 @@ fn links(twin: &Twin, samples: &Samples) -> f64 {
     let mut inertial = Inertial::of(twin, &terms);
     inertial.attach(&mut arm, samples, twin).expect("a whole recording");
     let found = Found::of(&arm).expect("bounds of the catalogue");
-    inertial.links_of(&arm, &found, &twin.robot, None).expect("possible links").spread
+    inertial.links(&arm, &found, &twin.robot, None).expect("possible links").spread
 }
 
 fn rigid_body(c: &mut Criterion) {

@@ -2,9 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::limits::Limits;
+use super::limits::{Limits, torque_along};
 use super::question::{Answer, Question};
-use crate::effects::Motion;
 use crate::motion::{Kind, Sampled, Settings};
 use crate::twin::Twin;
 
@@ -53,7 +52,6 @@ pub fn random_sines(
 }
 
 fn holds(motion: &Sampled, limits: &Limits<'_>, filled: &Twin) -> bool {
-    let Sampled { q, qd, qdd } = motion;
-    let tau = filled.torque(&Motion::new(&filled.robot, DT, q, qd, qdd));
+    let tau = torque_along(filled, motion, DT);
     limits.held(motion, &tau).passed(limits.clearance_m).is_none()
 }

@@ -2,6 +2,7 @@
 
 use super::ask::{Ask, Term};
 use crate::effects::{Effect, Motion, Parameter, Role, Scope, find};
+use crate::rigid_body::parameters;
 use crate::robot::{Robot, body_regressor_series};
 use crate::series::JointSeries;
 use crate::twin::Twin;
@@ -37,9 +38,6 @@ pub struct Unknowns {
 /// What no twin knows for sure and every fit has along, whatever is asked for.
 const ALWAYS_OPEN: [&str; 4] = ["coulomb", "viscous", "rotor_inertia", "current_offset"];
 
-/// A link's ten parameters in the order of [`crate::robot::Inertia::parameters`].
-const INERTIAL: [&str; 10] =
-    ["m", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 /// What CAD is commonly wrong by, of a moment of inertia.
 const INERTIA_ERROR: f64 = 0.1;
 /// So that a link of no size has one, kg.m2.
@@ -94,9 +92,9 @@ impl Unknowns {
     fn add_link(&mut self, link: usize, robot: &Robot) {
         self.sources.push(Source::Link(link));
         let group = format!("link {}", link + 1);
-        for ((i, name), size) in INERTIAL.into_iter().enumerate().zip(link_sizes(robot, link)) {
-            let unit = ["kg", "kg.m", "kg.m2"][usize::from(i > 0) + usize::from(i > 3)];
-            self.all.push(Unknown { name: name.into(), unit, group: group.clone(), size });
+        for (i, size) in link_sizes(robot, link).into_iter().enumerate() {
+            let (name, unit) = (parameters::NAMES[i].into(), parameters::unit(i));
+            self.all.push(Unknown { name, unit, group: group.clone(), size });
         }
     }
 
@@ -158,7 +156,7 @@ fn lists(series: &JointSeries, felt: impl Fn(usize) -> bool) -> Column {
 }
 
 /// What CAD is commonly wrong by, of each of the ten.
-fn link_sizes(robot: &Robot, link: usize) -> [f64; 10] {
+fn link_sizes(robot: &Robot, link: usize) -> [f64; parameters::PER_LINK] {
     let inertia = INERTIA_ERROR * robot.bodies[link].inertia.about_origin().trace() / 3.0;
     let known = find("link_inertia").map_or(Vec::new(), |e| e.expected(robot, link));
     let at = |i: usize| known.get(i).copied().filter(|x| *x > 0.0).unwrap_or(LEAST_INERTIA);

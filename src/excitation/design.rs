@@ -10,12 +10,11 @@ use super::baseline::{DT, RandomSines, random_sines};
 use super::candidate::{Candidate, Family};
 use super::capsules::{Capsules, Surroundings};
 use super::evolution::{self, search};
-use super::limits::{Held, Limits};
+use super::limits::{Held, Limits, torque_along};
 use super::question::{Answer, Question, Recorder};
 use super::report::{Report, report};
 use super::scenario::{filled, scenario};
 use super::simulated::simulated;
-use crate::effects::Motion;
 use crate::motion::{Envelope, Kind, MotionError, Settings, Trajectory};
 use crate::simulation::{Scenario, ScenarioError, SimulationError};
 use crate::twin::Twin;
@@ -171,13 +170,7 @@ fn best(
 ) -> Result<Candidate, ExcitationError> {
     let worth = |x: &[f64]| {
         let (_, motion) = family.candidate(x, limits);
-        let tau = filled.torque(&Motion::new(
-            &filled.robot,
-            family.dt,
-            &motion.q,
-            &motion.qd,
-            &motion.qdd,
-        ));
+        let tau = torque_along(filled, &motion, family.dt);
         let exceeded = limits.exceeded(&motion.q, &tau, TORQUE_SHARE, SPARE_M);
         // What breaks a limit is not worth the arithmetic.
         let answer: Option<Answer> =
@@ -195,8 +188,7 @@ fn best(
     let best = search(starts, &settings, worth, order, done).ok_or_else(nothing)?;
     let (candidate, motion) = family.candidate(&best.x, limits);
     if best.worth.exceeded > 0.0 {
-        let (q, qd, qdd) = (&motion.q, &motion.qd, &motion.qdd);
-        let tau = filled.torque(&Motion::new(&filled.robot, family.dt, q, qd, qdd));
+        let tau = torque_along(filled, &motion, family.dt);
         let held = limits.held(&motion, &tau);
         let most = held.passed(limits.clearance_m + SPARE_M);
         let close = || "the torque comes too close to its limit".to_string();
@@ -225,8 +217,7 @@ fn checked(
             ..like.clone()
         };
         let sampled = motion.trajectory(limits.robot)?.sampled(CHECK_DT);
-        let (q, qd, qdd) = (&sampled.q, &sampled.qd, &sampled.qdd);
-        let tau = filled.torque(&Motion::new(&filled.robot, CHECK_DT, q, qd, qdd));
+        let tau = torque_along(filled, &sampled, CHECK_DT);
         let held = limits.held(&sampled, &tau);
         match held.passed(limits.clearance_m) {
             Some(limit) => broken = limit,

@@ -1,6 +1,7 @@
 //! What a motion must stay within, and by how much it does.
 
 use super::capsules::{Capsules, Closest, Surroundings};
+use crate::effects::Motion;
 use crate::motion::{Envelope, Sampled};
 use crate::robot::Robot;
 use crate::series::JointSeries;
@@ -136,4 +137,9 @@ impl Held {
             .or_else(|| over("torque limit", "N.m", self.torque_nm.as_ref()))
             .or(near)
     }
+}
+/// What the drive of `twin` must supply along a motion that is sampled every `dt` seconds, N.m.
+pub fn torque_along(twin: &Twin, motion: &Sampled, dt: f64) -> JointSeries {
+    let Sampled { q, qd, qdd } = motion;
+    twin.torque(&Motion::new(&twin.robot, dt, q, qd, qdd))
 }

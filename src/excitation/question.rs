@@ -6,6 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use super::ask::Ask;
 use super::columns::{Column, Unknown, Unknowns};
 use super::information::{Information, Rows, independent};
+use super::limits::torque_along;
 use crate::effects::Motion;
 use crate::motion::{Envelope, Sampled};
 use crate::robot::Robot;
@@ -130,7 +131,7 @@ impl<'a> Question<'a> {
 
     fn on<T>(&self, motion: &Sampled, dt: f64, work: impl FnOnce(&Motion<'_>) -> T) -> T {
         let Sampled { q, qd, qdd } = motion;
-        let known = self.twin.torque(&Motion::new(&self.twin.robot, dt, q, qd, qdd));
+        let known = torque_along(self.twin, motion, dt);
         let motion = Motion { known: Some(&known), ..Motion::new(&self.robot, dt, q, qd, qdd) };
         work(&motion)
     }

@@ -92,7 +92,7 @@ impl Inertial {
     /// Takes the base parameters' rows out of a result. Those of which these data say less than the
     /// model, with an interval wider than a link of its mass and extent could have, are not identified.
     pub fn take(&self, arm: &ArmProblem, result: &mut MethodResult) -> Vec<ParameterEstimate> {
-        let gram = self.with_ranges(arm, self.said(arm, &result.found)).gram;
+        let gram = self.with_ranges(arm, self.information(arm, &result.found)).gram;
         let inverse = gram.clone().pseudo_inverse(0.0).unwrap_or_else(|_| gram.clone());
         let mut rows: Vec<ParameterEstimate> = result.arm.drain(self.own()).collect();
         for (i, row) in rows.iter_mut().enumerate() {
@@ -119,51 +119,38 @@ impl Inertial {
     }
 
     /// Condition number of the base parameters' columns, each in units of its size.
-    pub fn condition(&self, arm: &ArmProblem, result: &MethodResult) -> f64 {
-        let gram = self.said(arm, &result.found).gram;
+    pub fn condition(&self, arm: &ArmProblem, found: &Found) -> f64 {
+        let gram = self.information(arm, found).gram;
         let n = self.base.len();
         let scaled = DMatrix::from_fn(n, n, |i, k| gram[(i, k)] * self.sizes[i] * self.sizes[k]);
         let eigenvalues = scaled.symmetric_eigenvalues();
         (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt()
     }
 
-    /// The most probable links; `None` where a link of the model is impossible.
+    /// The most probable links beside those of `robot`, `total_mass` (kg) together where that is known;
+    /// `None` where a link of `robot` is impossible.
     pub fn links(
-        &self,
-        arm: &ArmProblem,
-        result: &MethodResult,
-        robot: &Robot,
-        total_mass: Option<f64>,
-    ) -> Option<Estimate> {
-        self.links_of(arm, &result.found, robot, total_mass)
-    }
-
-    /// The same from what was `found` by [`Found::of`].
-    pub fn links_of(
         &self,
         arm: &ArmProblem,
         found: &Found,
         robot: &Robot,
         total_mass: Option<f64>,
     ) -> Option<Estimate> {
-        let said = self.with_ranges(arm, self.said(arm, found));
-        estimate(robot, &self.base, &said, total_mass)
+        let information = self.with_ranges(arm, self.information(arm, found));
+        estimate(robot, &self.base, &information, total_mass)
     }
 
     /// What the data say of the base parameters, then of everything else that the joints share.
     /// Neighbouring rows say the same where what is left is correlated: they count as many times less
     /// as their correlation time is longer.
-    pub fn said(&self, arm: &ArmProblem, found: &Found) -> Information {
+    pub fn information(&self, arm: &ArmProblem, found: &Found) -> Information {
         let joints = shared::take_off(arm, &found.shared);
         let each = (0..joints.len()).into_par_iter().map(|j| {
             of_joint(&joints[j], &arm.joints[j], &arm.shared_columns[j], &found.joints[j])
         });
         let all: Vec<Information> = each.collect();
         let n = arm.shared.len();
-        let nothing = Information { gram: DMatrix::zeros(n, n), pull: DVector::zeros(n) };
-        let sum = all
-            .into_iter()
-            .fold(nothing, |a, b| Information { gram: a.gram + b.gram, pull: a.pull + b.pull });
+        let sum = all.into_iter().fold(Information::none(n), std::ops::Add::add);
         let order: Vec<usize> = self.own().chain(self.others(n)).collect();
         Information {
             gram: sum.gram.select_rows(&order).select_columns(&order),
@@ -193,7 +180,10 @@ impl Inertial {
     }
 }
 
-/// Adds parameters that all joints share, with their torque at every sample.
+/// Adds parameters that all joints share, with their torque (N.m per unit) at every sample.
+///
+/// # Errors
+/// If the recording cannot be filtered.
 pub fn share(
     arm: &mut ArmProblem,
     samples: &Samples,
@@ -235,7 +225,7 @@ pub fn payload_beside_links(
     let (mut inertial, mut arm) = (Inertial::of(twin, terms), arm.clone());
     inertial.attach(&mut arm, samples, twin)?;
     let found = Found::of(&arm)?;
-    let Some(links) = inertial.links_of(&arm, &found, &twin.robot, None) else { return Ok(None) };
+    let Some(links) = inertial.links(&arm, &found, &twin.robot, None) else { return Ok(None) };
     let first = links.parameters.len() + place;
     let [mass, x, y, z]: [f64; 4] = std::array::from_fn(|i| links.others[place + i]);
     if mass <= 0.0 {
@@ -274,25 +264,20 @@ fn of_joint(
     let rows = residual.len() as f64;
     let freedom = rows - x.len() as f64;
     if freedom <= 0.0 {
-        return Information { gram: DMatrix::zeros(n, n), pull: DVector::zeros(n) };
+        return Information::none(n);
     }
     let own = Qr::new(left.sensitivity(x));
     // What the joint's own terms bend is linear about where they were found.
     let mut y = problem.y.clone();
     axpy(-1.0, &left.predict(x), &mut y);
     let y = unexplained(&own.q, y);
-    let seen = |c: &Vec<f64>| unexplained(&own.q, c.clone());
-    let columns: Vec<Vec<f64>> = columns.iter().map(seen).collect();
+    let seen = columns.iter().flat_map(|c| unexplained(&own.q, c.clone()));
+    let columns = DMatrix::from_iterator(residual.len(), n, seen);
     let least = LEAST_NOISE.powi(2) * dot(&left.measured, &left.measured) / rows;
     let variance = (dot(&residual, &residual) / freedom).max(least).max(f64::MIN_POSITIVE);
     let weight = effective_samples(&residual) / rows / variance;
-    let gram = DMatrix::from_fn(n, n, |i, k| match i <= k {
-        true => weight * dot(&columns[i], &columns[k]),
-        false => 0.0,
-    });
-    let gram = DMatrix::from_fn(n, n, |i, k| gram[(i.min(k), i.max(k))]);
-    let pull = DVector::from_fn(n, |i, _| weight * dot(&columns[i], &y));
-    Information { gram, pull }
+    let weighted = columns.transpose() * weight;
+    Information { gram: &weighted * columns, pull: weighted * DVector::from_vec(y) }
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ const STRIBECK: &str = "stribeck";
 /// If bounds are wrong or a residual is not finite.
 pub fn reduce(
     fit: &mut ArmProblem,
-    mut check: Option<&mut ArmProblem>,
+    check: Option<&mut ArmProblem>,
     settings: &separable::Settings,
 ) -> Result<Vec<Dropped>, IdentificationError> {
     let common = shared::solve(fit, settings)?;
@@ -51,15 +51,14 @@ pub fn reduce(
         .into_par_iter()
         .map(|joint| eliminate(joint, settings))
         .collect::<Result<_, IdentificationError>>()?;
-    for (j, terms) in dropped.iter().enumerate() {
-        for d in terms {
-            take_out(&mut fit.joints[j], &d.term);
-            if let Some(check) = check.as_deref_mut() {
-                take_out(&mut check.joints[j], &d.term);
-            }
-        }
-    }
-    Ok(dropped.into_iter().flatten().collect())
+    let dropped: Vec<Dropped> = dropped.into_iter().flatten().collect();
+    std::iter::once(fit).chain(check).for_each(|arm| take_out_all(arm, &dropped));
+    Ok(dropped)
+}
+
+/// Takes terms out of the joints' laws that another recording did not show.
+pub fn take_out_all(arm: &mut ArmProblem, dropped: &[Dropped]) {
+    dropped.iter().for_each(|d| take_out(&mut arm.joints[d.joint - 1], &d.term));
 }
 
 fn eliminate(

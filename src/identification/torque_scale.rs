@@ -22,9 +22,7 @@ use super::judge::LEVEL;
 use super::problem::Parameter;
 use super::terms::Terms;
 use crate::effects::{self, Effect};
-use crate::rigid_body::{
-    Estimate, Information, estimate, estimate_within, made_possible, parameters,
-};
+use crate::rigid_body::{Estimate, Information, estimate, estimate_within, parameters, possible};
 use crate::robot::{Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
 use crate::signals::Samples;
@@ -86,8 +84,7 @@ pub fn torque_scale(
     runs: [&Samples; 2],
     load: Load,
 ) -> Result<TorqueScale, IdentificationError> {
-    let mut model = twin.robot.clone();
-    model.bodies.iter_mut().for_each(|b| b.inertia = made_possible(&b.inertia));
+    let (model, _) = possible(&twin.robot);
     let mut state = State {
         rounds: 0,
         spread: None,
@@ -129,9 +126,7 @@ impl Scale<'_> {
         let mut inertial = Inertial::of(&self.at(state, false), self.terms);
         let (arm, unloaded) = self.run(state, false, &mut inertial)?;
         let (_, loaded) = self.run(state, true, &mut inertial)?;
-        let both =
-            Information { gram: unloaded.gram + loaded.gram, pull: unloaded.pull + loaded.pull };
-        let both = inertial.with_ranges(&arm, both);
+        let both = inertial.with_ranges(&arm, unloaded + loaded);
         let found = match state.spread {
             None => estimate(&self.model, &inertial.base, &both, None),
             Some(spread) => estimate_within(&self.model, &inertial.base, &both, spread),
@@ -168,8 +163,8 @@ impl Scale<'_> {
         share(&mut arm, corrected, names, &columns)?;
         inertial.attach(&mut arm, samples, &twin)?;
         let found = Found::of(&arm)?;
-        let said = inertial.said(&arm, &found);
-        Ok((arm, said))
+        let information = inertial.information(&arm, &found);
+        Ok((arm, information))
     }
 
     /// The twin with what was found so far.

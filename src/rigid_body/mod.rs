@@ -8,4 +8,4 @@ mod pseudo_inertia;
 
 pub use base::BaseParameters;
 pub use posterior::{Estimate, Information, estimate, estimate_within};
-pub use pseudo_inertia::{is_possible, made_possible};
+pub use pseudo_inertia::{is_possible, made_possible, possible};

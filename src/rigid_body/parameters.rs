@@ -9,7 +9,8 @@ use crate::robot::{Inertia, Robot};
 /// Of one link.
 pub const PER_LINK: usize = 10;
 
-const NAMES: [&str; PER_LINK] =
+/// Their names, which [`name`] ends with the link's number.
+pub const NAMES: [&str; PER_LINK] =
     ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
 /// `Ixx_2`: of the second link from the base.

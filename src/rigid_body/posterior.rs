@@ -11,6 +11,8 @@
 //! section 9.6: f is self-concordant but for a factor). How far links are from the model, 1 / sqrt(4 g)
 //! as a share of a link's mass, is what the marginal likelihood says (Laplace's method over X).
 
+use std::ops::Add;
+
 use nalgebra::{DMatrix, DVector, SVector};
 use statrs::function::gamma::ln_gamma;
 
@@ -26,6 +28,22 @@ pub struct Information {
     /// H
     pub gram: DMatrix<f64>,
     pub pull: DVector<f64>,
+}
+
+impl Information {
+    /// Of `n` parameters, nothing.
+    pub fn none(n: usize) -> Self {
+        Self { gram: DMatrix::zeros(n, n), pull: DVector::zeros(n) }
+    }
+}
+
+/// Of independent rows together.
+impl Add for Information {
+    type Output = Self;
+
+    fn add(self, more: Self) -> Self {
+        Self { gram: self.gram + more.gram, pull: self.pull + more.pull }
+    }
 }
 
 /// All links, and how sure they are.

@@ -8,7 +8,7 @@
 use nalgebra::{Matrix3, Matrix4, SMatrix, SVector, Vector3};
 
 use super::parameters::PER_LINK;
-use crate::robot::Inertia;
+use crate::robot::{Inertia, Robot};
 
 type Parameters = [f64; PER_LINK];
 
@@ -53,6 +53,18 @@ pub fn made_possible(inertia: &Inertia) -> Inertia {
     let turn = spread.eigenvectors;
     let spread = turn * Matrix3::from_diagonal(&raised) * turn.transpose();
     Inertia { about_com: Matrix3::identity() * spread.trace() - spread, ..*inertia }
+}
+
+/// The robot with links that bodies can have, and which of its bodies (from 0) were not.
+pub fn possible(robot: &Robot) -> (Robot, Vec<usize>) {
+    let mut all = robot.clone();
+    let bodies = all.bodies.iter_mut().enumerate();
+    let wrong = bodies.filter(|(_, b)| !is_possible(&b.inertia)).map(|(i, body)| {
+        body.inertia = made_possible(&body.inertia);
+        i
+    });
+    let wrong = wrong.collect();
+    (all, wrong)
 }
 
 /// Coordinates in which the model's own link is the identity: P = L X L^T with L L^T the model's P.

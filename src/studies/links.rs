@@ -11,7 +11,8 @@ use serde::Serialize;
 use super::StudyError;
 use super::recovery::{blank_twin, conditioning};
 use crate::identification::{
-    ArmProblem, BoundsByName, Inertial, Method, MethodResult, Settings, Terms, assemble, identify,
+    ArmProblem, BoundsByName, Inertial, LinkFit, Method, MethodResult, Settings, Terms, assemble,
+    identify,
 };
 use crate::rigid_body::{is_possible, parameters};
 use crate::robot::{Inertia, Robot};
@@ -85,7 +86,7 @@ pub fn trial(scenario: &Scenario, file: &str, seed: u64) -> Result<Vec<Trial>, S
         Ok(condition(&run.recording, &twin.drive, twin.robot.dof(), &conditioning())?)
     };
     let samples = [record(&made.fit, 0)?, record(&made.check, 1)?];
-    let exact = left(&fitted(&twin, &samples)?.0);
+    let exact = left(&least_squares(&problems(&twin, &samples)?)?);
     let each = WRONG.into_iter().map(|wrong| of_model(&twin, wrong, seed, &samples, &exact));
     each.collect()
 }
@@ -98,47 +99,49 @@ fn of_model(
     exact: &[f64],
 ) -> Result<Trial, StudyError> {
     let model = Twin { robot: wrong.model(&truth.robot, seed), ..truth.clone() };
-    let (as_given, mut arms) = fitted(&model, samples)?;
-    let mut inertial = Inertial::of(&model, &Terms::usual()?);
+    let (terms, settings) = (Terms::usual()?, Settings::default());
+    let mut arms = problems(&model, samples)?;
+    let mut inertial = Inertial::of(&model, &terms);
     for (arm, samples) in arms.iter_mut().zip(samples) {
         inertial.attach(arm, samples, &model)?;
     }
-    let mut by_base = least_squares(&arms)?;
-    let links = inertial.links(&arms[0], &by_base, &model.robot, None);
-    let links = links.ok_or(crate::identification::IdentificationError::NoMass)?;
-    let robot = parameters::built_into(&model.robot, &links.parameters);
-    let possible = robot.bodies.iter().all(|b| is_possible(&b.inertia));
-    let rows = inertial.take(&arms[0], &mut by_base);
+    let mut by_base = [least_squares(&arms)?];
+    let link_fit = LinkFit {
+        twin: &model,
+        terms: &terms,
+        located: &[],
+        bounds: &BoundsByName::new(),
+        settings: &settings,
+        total_mass: None,
+        fit: &samples[0],
+        check: Some(&samples[1]),
+    };
+    let found = link_fit.rigid_body(&inertial, &arms[0], &mut by_base, &[])?;
     let true_values = inertial.base.values(&parameters::of(&truth.robot));
-    let told = rows.iter().zip(&true_values).filter(|(row, _)| row.identifiable);
+    let told = found.base.iter().zip(&true_values).filter(|(row, _)| row.identifiable);
     let held = told.clone().filter(|(row, truth)| row.low <= **truth && **truth <= row.high);
-    let (told, held) = (told.count(), held.count());
-    let (with_links, _) = fitted(&Twin { robot, ..model }, samples)?;
     let beside = |r: &MethodResult| relative(&left(r), exact);
     Ok(Trial {
         seed,
         wrong,
-        told,
-        held,
+        told: told.count(),
+        held: held.count(),
         rank: inertial.base.len(),
-        model: beside(&as_given),
-        least_squares: beside(&by_base),
-        links: beside(&with_links),
-        possible,
-        spread: links.spread,
+        model: beside(&found.given),
+        least_squares: beside(&by_base[0]),
+        links: beside(&found.fitted),
+        possible: found.twin.robot.bodies.iter().all(|b| is_possible(&b.inertia)),
+        spread: found.links.spread,
     })
 }
 
-/// Friction, rotors and offsets fitted to the first recording and held against the second.
-fn fitted(
-    twin: &Twin,
-    samples: &[Samples; 2],
-) -> Result<(MethodResult, [ArmProblem; 2]), StudyError> {
+/// Friction, rotors and offsets of each recording.
+fn problems(twin: &Twin, samples: &[Samples; 2]) -> Result<[ArmProblem; 2], StudyError> {
     let problem = |s: &Samples| assemble(s, twin, &Terms::usual()?, &BoundsByName::new());
-    let arms = [problem(&samples[0])?, problem(&samples[1])?];
-    Ok((least_squares(&arms)?, arms))
+    Ok([problem(&samples[0])?, problem(&samples[1])?])
 }
 
+/// Fitted to the first recording and held against the second.
 fn least_squares(arms: &[ArmProblem; 2]) -> Result<MethodResult, StudyError> {
     let settings = Settings { methods: vec![Method::Nlse], ..Settings::default() };
     Ok(identify(&arms[0], Some(&arms[1]), &settings)?.remove(0))

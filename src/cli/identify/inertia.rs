@@ -1,23 +1,21 @@
 //! `identify --with inertia`: the links from data.
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use serde::Serialize;
 
-use super::{Args, Loaded};
-use crate::identification::{
-    self, Inertial, LEVEL, Located, Method, MethodResult, ParameterEstimate, Settings, Terms,
-};
-use crate::rigid_body::{made_possible, parameters};
+use super::Args;
+use crate::identification::{self, Inertial, LEVEL, MethodResult, ParameterEstimate, RigidBody};
+use crate::recording::Recording;
+use crate::rigid_body::parameters;
 use crate::robot::{Inertia, Robot};
 use crate::statistics::normal_quantile;
-use crate::twin::Twin;
 
 /// What the name stands for in `--with` and `--terms`: no effect of the catalogue.
 pub const NAME: &str = "inertia";
 
-/// The rigid body as these data have it.
+/// The rigid body as these data have it, for people and scripts.
 #[derive(Serialize)]
-pub struct RigidBody {
+pub struct Summary {
     /// How many base parameters the arm has beside rotors that are fitted, and how many of them this
     /// recording tells.
     pub rank: usize,
@@ -36,14 +34,7 @@ pub struct RigidBody {
     /// Root mean square that is left at each joint, N.m.
     pub torque: Vec<Left>,
     #[serde(skip)]
-    pub fitted: Fitted,
-}
-
-/// The twin with the links found, and everything else fitted again beside them.
-pub struct Fitted {
-    pub around: Twin,
-    pub fit: Loaded,
-    pub result: MethodResult,
+    pub found: RigidBody,
 }
 
 #[derive(Serialize)]
@@ -89,90 +80,56 @@ pub struct Left {
 /// Half of what links weigh, and more: what looks like links may be something else.
 const IMPLAUSIBLE: f64 = 0.5;
 
-/// What the inertial parameters are fitted beside.
-pub struct Beside<'a> {
-    pub args: &'a Args,
-    pub terms: &'a Terms,
-    pub around: &'a Twin,
-    pub located: &'a [Located],
-    pub settings: &'a Settings,
+/// What is printed and written of a rigid body that was found beside the base parameters of `inertial`.
+pub fn summary(
+    found: RigidBody,
+    inertial: &Inertial,
+    model: &Robot,
+    results: &[MethodResult],
+    recordings: [Option<&Recording>; 2],
+) -> Summary {
+    let by_base = results.iter().find(|r| r.method == found.fitted.method).unwrap_or(&found.given);
+    let torque = recordings.into_iter().zip([false, true]).filter_map(|(recording, checked)| {
+        Some(Left {
+            recording: recording?.provenance.source.clone(),
+            given_nm: left(&found.given, checked),
+            least_squares_nm: left(by_base, checked),
+            links_nm: left(&found.fitted, checked),
+        })
+    });
+    let torque = torque.collect();
+    Summary {
+        rank: found.base.len(),
+        told: found.base.iter().filter(|row| row.identifiable).count(),
+        condition: found.condition,
+        base: base_rows(inertial, &found.base),
+        beside_rotors: (0..model.dof()).map(|j| inertial.base.beside_rotor(j)).collect(),
+        unseen: inertial.base.unseen.iter().map(|&i| parameters::name(i)).collect(),
+        spread: found.links.spread,
+        links: link_rows(&found.twin.robot, model, &found.links.covariance),
+        notes: notes(&found, model),
+        torque,
+        found,
+    }
 }
 
-impl Beside<'_> {
-    /// Adds the base parameters to both problems.
-    pub fn attach(&self, fit: &mut Loaded, check: Option<&mut Loaded>) -> anyhow::Result<Inertial> {
-        let mut inertial = Inertial::of(self.around, self.terms);
-        for loaded in std::iter::once(fit).chain(check) {
-            inertial.attach(&mut loaded.problem, &loaded.samples, self.around)?;
-        }
-        Ok(inertial)
-    }
-
-    /// Takes the rigid body out of `results` and works out its links; `given` are the problems
-    /// without it.
-    pub fn rigid_body(
-        &self,
-        inertial: &Inertial,
-        results: &mut [MethodResult],
-        given: (Loaded, Option<Loaded>),
-        fit: &Loaded,
-        check: Option<&Loaded>,
-    ) -> anyhow::Result<RigidBody> {
-        let settings = Settings { methods: vec![Method::Nlse], ..self.settings.clone() };
-        let by = |fit: &Loaded, check: Option<&Loaded>| -> anyhow::Result<MethodResult> {
-            let check = check.map(|c| &c.problem);
-            let mut all = identification::identify(&fit.problem, check, &settings)?;
-            all.pop().context("nothing was fitted")
-        };
-        let as_given = by(&given.0, given.1.as_ref())?;
-        let (model, mut notes) = possible(&self.around.robot);
-        let place = results.iter().position(|r| r.method == Method::Nlse.name()).unwrap_or(0);
-        let links = inertial
-            .links(&fit.problem, &results[place], &model, self.args.total_mass)
-            .context("a link of the model has no mass or extent")?;
-        if links.spread >= IMPLAUSIBLE {
-            notes.push(format!(
-                "links are off by {:.0} % of their masses: is something else missing, such as \
-                 rotor_inertia or payload (--with), or are the torque constants wrong?",
-                100.0 * links.spread
-            ));
-        }
-        let condition = inertial.condition(&fit.problem, &results[place]);
-        let mut rows: Vec<_> = results.iter_mut().map(|r| inertial.take(&fit.problem, r)).collect();
-        let base: Vec<BaseRow> = base_rows(inertial, rows.swap_remove(place));
-        let robot = parameters::built_into(&self.around.robot, &links.parameters);
-        let around = Twin { robot, ..self.around.clone() };
-        let again =
-            |loaded: Loaded| self.args.assembled(loaded.parts(), &around, self.terms, self.located);
-        let fit_again = again(given.0)?;
-        let check_again = given.1.map(again).transpose()?;
-        let result = by(&fit_again, check_again.as_ref())?;
-        let torque = [(Some(fit), false), (check, true)].into_iter();
-        let torque = torque.filter_map(|(loaded, checked)| {
-            let of = |r: &MethodResult| left(r, checked);
-            Some(Left {
-                recording: loaded?.recording.provenance.source.clone(),
-                given_nm: of(&as_given),
-                least_squares_nm: of(&results[place]),
-                links_nm: of(&result),
-            })
-        });
-        let torque = torque.collect();
-        let dof = self.around.robot.dof();
-        Ok(RigidBody {
-            rank: base.len(),
-            told: base.iter().filter(|b| b.estimate.identifiable).count(),
-            condition,
-            base,
-            beside_rotors: (0..dof).map(|j| inertial.base.beside_rotor(j)).collect(),
-            unseen: inertial.base.unseen.iter().map(|&i| parameters::name(i)).collect(),
-            spread: links.spread,
-            links: link_rows(&around.robot, &self.around.robot, &links.covariance),
-            notes,
-            torque,
-            fitted: Fitted { around, fit: fit_again, result },
-        })
-    }
+fn notes(found: &RigidBody, model: &Robot) -> Vec<String> {
+    let mended = found.mended.iter().map(|&i| {
+        format!(
+            "{}: the model's inertia is that of no body (moments break the triangle inequality); \
+             what is nearest is taken",
+            model.bodies[i].name
+        )
+    });
+    let spread = found.links.spread;
+    let implausible = (spread >= IMPLAUSIBLE).then(|| {
+        format!(
+            "links are off by {:.0} % of their masses: is something else missing, such as \
+             rotor_inertia or payload (--with), or are the torque constants wrong?",
+            100.0 * spread
+        )
+    });
+    mended.chain(implausible).collect()
 }
 
 impl Args {
@@ -206,32 +163,14 @@ impl Args {
     }
 }
 
-/// The robot with inertias that bodies can have.
-fn possible(robot: &Robot) -> (Robot, Vec<String>) {
-    let mut all = robot.clone();
-    let mut notes = Vec::new();
-    for body in &mut all.bodies {
-        let mended = made_possible(&body.inertia);
-        if mended != body.inertia {
-            notes.push(format!(
-                "{}: the model's inertia is that of no body (moments break the triangle \
-                 inequality); what is nearest is taken",
-                body.name
-            ));
-        }
-        body.inertia = mended;
-    }
-    (all, notes)
-}
-
-fn base_rows(inertial: &Inertial, rows: Vec<ParameterEstimate>) -> Vec<BaseRow> {
-    let row = |(i, estimate): (usize, ParameterEstimate)| BaseRow {
-        estimate,
+fn base_rows(inertial: &Inertial, rows: &[ParameterEstimate]) -> Vec<BaseRow> {
+    let row = |(i, estimate): (usize, &ParameterEstimate)| BaseRow {
+        estimate: estimate.clone(),
         group: inertial.base.group(i),
         model: inertial.model[i],
         size: inertial.sizes[i],
     };
-    rows.into_iter().enumerate().map(row).collect()
+    rows.iter().enumerate().map(row).collect()
 }
 
 fn link_rows(found: &Robot, model: &Robot, covariance: &nalgebra::DMatrix<f64>) -> Vec<Link> {

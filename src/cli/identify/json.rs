@@ -6,7 +6,7 @@ use anyhow::Context;
 use serde::Serialize;
 
 use super::Report;
-use super::inertia::RigidBody;
+use super::inertia::Summary;
 use crate::files::write_whole;
 use crate::identification::{self, Dropped, Located, MethodResult, Settings, TorqueScale};
 use crate::recording::Provenance;
@@ -36,7 +36,7 @@ struct Document<'a> {
     /// With a payload: how far links may be from the model's, as a share of a mass.
     links_spread: Option<f64>,
     /// The rigid body; null without `inertia`.
-    inertia: Option<&'a RigidBody>,
+    inertia: Option<&'a Summary>,
 }
 
 #[derive(Serialize)]

@@ -1,9 +1,9 @@
 //! Links, base parameters and what torque they leave, for people.
 
-use super::inertia::{BaseRow, Left, Link, RigidBody, Value};
+use super::inertia::{BaseRow, Left, Link, Summary, Value};
 use crate::report::{table, to_uncertainty};
 
-pub fn print(body: &RigidBody) {
+pub fn print(body: &Summary) {
     println!(
         "\nRigid body: {} base parameters, of which this recording tells {}; condition number {:.0}",
         body.rank, body.told, body.condition
@@ -30,7 +30,7 @@ pub fn print(body: &RigidBody) {
 }
 
 /// Which base parameters these data do not tell, one line per reason.
-fn not_told(body: &RigidBody) -> Vec<String> {
+fn not_told(body: &Summary) -> Vec<String> {
     let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
     for e in body.base.iter().map(|b| &b.estimate) {
         let Some(why) = e.why_not.as_deref() else { continue };
@@ -84,7 +84,7 @@ fn torque_cells(left: &Left) -> Vec<Vec<String>> {
 }
 
 /// Link by link, in words.
-pub fn lines(body: &RigidBody) -> Vec<String> {
+pub fn lines(body: &Summary) -> Vec<String> {
     let link = |l: &Link| {
         let Value { value, low, high, model } = l.mass_kg;
         let [value, low, high] = to_uncertainty(value, low, high);

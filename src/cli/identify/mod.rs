@@ -11,15 +11,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use inertia::{Beside, Fitted, RigidBody};
+use inertia::Summary;
 use scale::{LoadArgs, Scaled};
 
 use super::conditioning::ConditioningArgs;
 use super::save;
 use crate::diagnosis;
 use crate::identification::{
-    self, ArmProblem, BoundsByName, Dropped, IdentificationError, Located, Method, MethodResult,
-    Search, Settings, Terms, assemble_around,
+    self, ArmProblem, BoundsByName, Dropped, IdentificationError, Inertial, LinkFit, Located,
+    Method, MethodResult, Search, Settings, Terms, assemble_around,
 };
 use crate::recording::{self, Recording};
 use crate::robot::urdf::{self, Chain};
@@ -146,21 +146,14 @@ pub(super) struct Report<'a> {
     /// With a payload: how far links may be from the model's, as a share of a mass.
     pub links_spread: Option<f64>,
     /// With `inertia`.
-    pub rigid_body: Option<&'a RigidBody>,
+    pub rigid_body: Option<&'a Summary>,
 }
 
 /// A recording and what became of it.
-#[derive(Clone)]
 pub(super) struct Loaded {
     pub recording: Recording,
     pub samples: Samples,
     pub problem: ArmProblem,
-}
-
-impl Loaded {
-    fn parts(self) -> (Recording, Samples) {
-        (self.recording, self.samples)
-    }
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -185,16 +178,32 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(check) = &check {
         refuse_same_samples(&fit.recording, &check.recording)?;
     }
+    let mut inertial = args.asks_for_inertia().then(|| Inertial::of(&around, &terms));
+    if let Some(inertial) = &mut inertial {
+        for Loaded { problem, samples, .. } in std::iter::once(&mut fit).chain(&mut check) {
+            inertial.attach(problem, samples, &around)?;
+        }
+    }
     let dropped =
         if args.reduce { Some(reduce(&mut fit, check.as_mut(), &settings)?) } else { None };
-    let beside =
-        Beside { args, terms: &terms, around: &around, located: &located, settings: &settings };
-    let given = (fit.clone(), check.clone());
-    let inertial = args.asks_for_inertia().then(|| beside.attach(&mut fit, check.as_mut()));
-    let inertial = inertial.transpose()?;
     let mut results =
         identification::identify(&fit.problem, check.as_ref().map(|c| &c.problem), &settings)?;
-    let body = |i| beside.rigid_body(i, &mut results, given, &fit, check.as_ref());
+    let link_fit = LinkFit {
+        twin: &around,
+        terms: &terms,
+        located: &located,
+        bounds: &args.bounds(),
+        settings: &settings,
+        total_mass: args.total_mass,
+        fit: &fit.samples,
+        check: check.as_ref().map(|c| &c.samples),
+    };
+    let body = |inertial: &Inertial| -> anyhow::Result<Summary> {
+        let dropped = dropped.as_deref().unwrap_or_default();
+        let found = link_fit.rigid_body(inertial, &fit.problem, &mut results, dropped)?;
+        let recordings = [Some(&fit.recording), check.as_ref().map(|c| &c.recording)];
+        Ok(inertia::summary(found, inertial, &around.robot, &results, recordings))
+    };
     let rigid_body = inertial.as_ref().map(body).transpose()?;
     let (problem, samples) = (&fit.problem, &fit.samples);
     let links_spread =
@@ -228,7 +237,7 @@ fn write(report: &Report<'_>) -> anyhow::Result<()> {
         page::write(report, path)?;
     }
     if let (Some(path), Some(body)) = (&args.save_urdf, report.rigid_body) {
-        save::text(path, &urdf::write(&body.fitted.around.robot))?;
+        save::text(path, &urdf::write(&body.found.twin.robot))?;
         println!("\nLinks: {}", path.display());
     }
     if let Some(path) = &args.save_twin {
@@ -271,10 +280,13 @@ impl Args {
         terms: &Terms,
         located: &[Located],
     ) -> anyhow::Result<Loaded> {
-        let bounds: BoundsByName = self.bounds.iter().cloned().collect();
-        let problem = assemble_around(&samples, around, terms, &bounds, located)
+        let problem = assemble_around(&samples, around, terms, &self.bounds(), located)
             .with_context(|| recording.provenance.source.clone())?;
         Ok(Loaded { recording, samples, problem })
+    }
+
+    fn bounds(&self) -> BoundsByName {
+        self.bounds.iter().cloned().collect()
     }
 
     fn settings(&self) -> Settings {
@@ -352,14 +364,15 @@ fn save_twin(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
 
 /// The twin with the values found, and by which method.
 fn fitted<'a>(report: &Report<'a>) -> Result<Option<(Twin, &'a str)>, IdentificationError> {
-    if let Some(RigidBody { fitted: Fitted { around, fit, result }, .. }) = report.rigid_body {
-        let mut twin = identification::fitted_twin(around, report.terms, &fit.problem, result)?;
+    if let Some(Summary { found, .. }) = report.rigid_body {
+        let (problem, result) = (&found.problem, &found.fitted);
+        let mut twin = identification::fitted_twin(&found.twin, report.terms, problem, result)?;
         if let Some(urdf) = &report.args.save_urdf {
             // The arm alone, as it is written there.
             twin.source = std::path::absolute(urdf).unwrap_or(urdf.clone()).display().to_string();
             (twin.chain, twin.notes) = (Chain::default(), Vec::new());
         }
-        return Ok(Some((twin, &result.method)));
+        return Ok(Some((twin, &found.fitted.method)));
     }
     let preferred = report.results.iter().find(|r| r.method == Method::Nlse.name());
     let Some(result) = preferred.or(report.results.first()) else { return Ok(None) };

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::effects::Motion;
 use crate::excitation::Design;
+use crate::excitation::limits::torque_along;
 use crate::series::JointSeries;
 
 /// s
@@ -12,8 +12,7 @@ const DT: f64 = 0.008;
 /// Time, then angle (rad), speed, acceleration and the twin's torque (N.m) of every joint.
 pub fn text(design: &Design) -> String {
     let s = design.trajectory.sampled(DT);
-    let motion = Motion::new(&design.twin.robot, DT, &s.q, &s.qd, &s.qdd);
-    let moment = design.twin.torque(&motion);
+    let moment = torque_along(&design.twin, &s, DT);
     let stems: [(&str, &JointSeries); 4] =
         [("q", &s.q), ("qd", &s.qd), ("qdd", &s.qdd), ("moment", &moment)];
     let joints = design.trajectory.dof();
