@@ -144,6 +144,9 @@ pub struct Named {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Value {
     pub name: String,
+    /// From 1 at the base, where a cause has values of their own for several joints.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<usize>,
     pub unit: String,
     pub value: f64,
     /// 90 % interval.

@@ -2,7 +2,7 @@
 
 use super::fit::Fit;
 use super::refine::{Trial, evaluate};
-use crate::effects::Role;
+use crate::effects::{Parameter, Role};
 
 /// A trial made a cause of the model it was tried on.
 pub struct Adopted<'f, 'a> {
@@ -25,8 +25,8 @@ impl<'f, 'a> Adopted<'f, 'a> {
     /// wanders to the end of what the data do not tell.
     pub fn inside(self, tolerance: f64) -> Self {
         let Some(name) = self.at_bound else { return self };
-        let parameters = self.trial.candidate.effect.about().parameters.iter();
-        let Some(i) = parameters.clone().position(|p| p.name == name) else { return self };
+        let mut parameters = self.trial.candidate.parameters();
+        let Some(i) = parameters.position(|(p, _)| p.name == name) else { return self };
         let best = self.fit.ln_evidence();
         let costs = |other: &Self| best - other.fit.ln_evidence();
         let others = self.moved(i).into_iter().map(|trial| Self::new(self.before, trial));
@@ -75,10 +75,10 @@ pub fn at_bound(fit: &Fit<'_>, trial: &Trial) -> Option<&'static str> {
     let values = fit.values(last);
     let held = &fit.model.causes[last].held;
     let linear = &values[..held.len()];
-    if held.iter().any(|h| !h) && !candidate.effect.is_itself(linear) {
+    if held.iter().any(|h| !h) && !candidate.is_itself(linear) {
         return candidate.effect.about().parameters.first().map(|p| p.name);
     }
-    let reached = |(i, (p, v)): (usize, (&crate::effects::Parameter, &f64))| {
+    let reached = |(i, ((p, _), v)): (usize, ((&'static Parameter, Option<usize>), &f64))| {
         let [min, max] = candidate.range(i, fit.data.twin);
         let near = 1e-3 * (max - min);
         let at_end = *v <= min + 1e-3 * min.abs() || *v >= max - near;
@@ -94,7 +94,7 @@ pub fn at_bound(fit: &Fit<'_>, trial: &Trial) -> Option<&'static str> {
         };
         at.then_some(p.name)
     };
-    candidate.effect.about().parameters.iter().zip(&values).enumerate().find_map(reached)
+    candidate.parameters().zip(&values).enumerate().find_map(reached)
 }
 
 #[cfg(test)]

@@ -1,8 +1,11 @@
 //! What may be missing in the twin: an effect of the catalogue, somewhere.
 
 use super::observed::Observed;
-use crate::effects::{self, CATALOGUE, Channels, Effect, Mechanism, Motion, Role, Scope, Seen};
+use crate::effects::{
+    self, CATALOGUE, Channels, Effect, Mechanism, Motion, Parameter, Role, Scope, Seen,
+};
 use crate::regression::Blocks;
+use crate::rigid_body::parameters::{PER_LINK, sizes};
 use crate::twin::Twin;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -10,6 +13,8 @@ pub enum Place {
     Joint(usize),
     /// All joints, with the same parameters.
     Arm,
+    /// So many links, every one with values of its own.
+    Links(usize),
 }
 
 impl Place {
@@ -18,13 +23,26 @@ impl Place {
         match self {
             Place::Joint(j) => vec![j + 1],
             Place::Arm => Vec::new(),
+            Place::Links(links) => (1..=links).collect(),
         }
     }
 
     fn has(self, joint: usize) -> bool {
         self == Place::Arm || self == Place::Joint(joint)
     }
+
+    /// Where sets of values act, from 0 at the base.
+    fn each(self) -> std::ops::Range<usize> {
+        match self {
+            Place::Joint(j) => j..j + 1,
+            Place::Arm => 0..1,
+            Place::Links(links) => 0..links,
+        }
+    }
 }
+
+/// A link may be this many times what the twin has of it.
+const TIMES_ITSELF: f64 = 10.0;
 
 /// Where a candidate changes torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +65,8 @@ pub struct Candidate {
     pub recording: Option<usize>,
     /// Is it a change of values that the twin states?
     pub changes: bool,
+    /// How many times larger than its effect says its values are expected to be.
+    pub spread: f64,
 }
 
 impl PartialEq for Candidate {
@@ -145,7 +165,7 @@ fn places(effect: &dyn Effect, twin: &Twin, stated: bool) -> impl Iterator<Item 
 impl Candidate {
     /// In all recordings, where the twin lacks the effect.
     pub fn new(effect: &'static dyn Effect, place: Place) -> Self {
-        Self { effect, place, recording: None, changes: false }
+        Self { effect, place, recording: None, changes: false, spread: 1.0 }
     }
 
     pub fn extent(&self) -> Extent {
@@ -163,12 +183,53 @@ impl Candidate {
 
     /// Links, loads and gravity for these values, put into `mechanism`.
     pub fn build(&self, values: &[f64], mechanism: &mut Mechanism) {
-        let joint = match (self.effect.about().scope, self.place) {
-            (Scope::Joint, _) => return,
-            (_, Place::Joint(j)) => j,
-            (_, Place::Arm) => 0,
+        if self.effect.about().scope == Scope::Joint {
+            return;
+        }
+        let (linear, nonlinear) = values.split_at(self.linear());
+        for (own, joint) in self.place.each().enumerate() {
+            let values = [self.own(linear, own), self.own(nonlinear, own)].concat();
+            self.effect.build(&values, joint, mechanism);
+        }
+    }
+
+    /// Of values of all its sets, those of set `k`.
+    fn own<'v>(&self, values: &'v [f64], k: usize) -> &'v [f64] {
+        let count = values.len() / self.place.each().len().max(1);
+        &values[k * count..(k + 1) * count]
+    }
+
+    /// The parameters, linear ones of all sets first, and the joint (from 0) where there is one set for
+    /// each of several.
+    pub fn parameters(self) -> impl Iterator<Item = (&'static Parameter, Option<usize>)> {
+        let place = self.place;
+        let of = move |role| {
+            let own = self.effect.about().parameters.iter().filter(move |p| p.role == role);
+            place.each().flat_map(move |j| own.clone().map(move |p| (p, j)))
         };
-        self.effect.build(values, joint, mechanism);
+        let all = of(Role::Linear).chain(of(Role::Nonlinear));
+        all.map(move |(p, j)| (p, matches!(place, Place::Links(_)).then_some(j)))
+    }
+
+    /// References follow from the linear values.
+    pub fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
+        let sets = self.place.each().len();
+        let own = nonlinear.len() / sets.max(1);
+        for (k, nonlinear) in nonlinear.chunks_mut(own.max(1)).enumerate() {
+            self.effect.settle(self.own(linear, k), nonlinear);
+        }
+    }
+
+    /// Do the linear values make the effect that it is, in any of its sets?
+    pub fn is_itself(&self, linear: &[f64]) -> bool {
+        (0..self.place.each().len()).any(|k| self.effect.is_itself(self.own(linear, k)))
+    }
+
+    /// How large the linear values can be expected to be, standard deviations; empty where nothing is
+    /// known beforehand.
+    pub fn expected(&self, twin: &Twin) -> Vec<f64> {
+        let each = self.place.each().flat_map(|j| self.effect.expected(&twin.robot, j));
+        each.map(|size| self.spread * size).collect()
     }
 
     pub fn name(&self) -> &'static str {
@@ -177,6 +238,9 @@ impl Candidate {
 
     /// Smallest and largest value of parameter `i` in its unit, as a change of what the twin has of it.
     pub fn range(&self, i: usize, twin: &Twin) -> [f64; 2] {
+        if let Place::Links(_) = self.place {
+            return self.range_of_links(i, twin);
+        }
         let parameter = &self.effect.about().parameters[i];
         let has = match self.place {
             Place::Joint(j) if i == 0 && !self.changes => self.effect.in_drive(&twin.drive, j),
@@ -184,6 +248,18 @@ impl Candidate {
             _ => 0.0,
         };
         [parameter.min - has, parameter.max - has]
+    }
+
+    /// Between no mass, or a moment the other way, and many times what the link has.
+    fn range_of_links(&self, i: usize, twin: &Twin) -> [f64; 2] {
+        let sets = self.place.each().len().max(1);
+        let own = self.linear() / sets;
+        let Some(k) = (i < self.linear()).then_some(i % own) else {
+            return [f64::NEG_INFINITY, f64::INFINITY];
+        };
+        let size = sizes(&twin.robot)[PER_LINK * (i / own) + k];
+        let least = if k == 0 { -size } else { -TIMES_ITSELF * size };
+        [least, TIMES_ITSELF * size]
     }
 
     /// The values that the twin states and this is a change of; empty where there are none.
@@ -194,7 +270,8 @@ impl Candidate {
     }
 
     pub fn linear(&self) -> usize {
-        self.effect.about().parameters.iter().filter(|p| p.role == Role::Linear).count()
+        let own = self.effect.about().parameters.iter().filter(|p| p.role == Role::Linear).count();
+        own * self.place.each().len()
     }
 
     /// Does it change the recorded channels instead of adding torque?
@@ -206,9 +283,12 @@ impl Candidate {
     pub fn starts(&self, motion: &Motion<'_>, twin: &Twin) -> Vec<Vec<f64>> {
         let joint = if let Place::Joint(j) = self.place { j } else { 0 };
         match self.stated(twin).get(self.linear()..) {
-            Some(nonlinear) if self.changes => vec![nonlinear.to_vec()],
-            _ => self.effect.starts(motion, joint),
+            Some(nonlinear) if self.changes => return vec![nonlinear.to_vec()],
+            _ => {}
         }
+        let starts = self.effect.starts(motion, joint);
+        // All sets begin alike.
+        starts.into_iter().map(|start| start.repeat(self.place.each().len())).collect()
     }
 
     /// One column per linear parameter, before sensors: series over all samples of recording number
@@ -231,8 +311,9 @@ impl Candidate {
             }
             return columns;
         }
-        let from = if let Place::Joint(j) = self.place { j } else { 0 };
-        let reach = self.effect.reach(motion, from, nonlinear);
+        let sets = self.place.each().enumerate();
+        let reach =
+            sets.flat_map(|(k, from)| self.effect.reach(motion, from, self.own(nonlinear, k)));
         for (column, series) in columns.iter_mut().zip(reach) {
             column.iter_mut().enumerate().for_each(|(j, c)| *c = series.joint(j).to_vec());
         }
@@ -243,7 +324,7 @@ impl Candidate {
 /// Does it change the torque of a joint?
 pub fn acts_on(candidate: Candidate, joint: usize) -> bool {
     match candidate.place {
-        Place::Arm => true,
+        Place::Arm | Place::Links(_) => true,
         Place::Joint(j) => j == joint || candidate.effect.about().scope == Scope::Link,
     }
 }
@@ -253,6 +334,7 @@ pub fn describe(candidate: Candidate) -> String {
     match candidate.place {
         Place::Joint(j) => format!("{} at joint {}", candidate.name(), j + 1),
         Place::Arm => candidate.name().to_string(),
+        Place::Links(_) => format!("{} of all links", candidate.name()),
     }
 }
 

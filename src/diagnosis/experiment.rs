@@ -107,7 +107,8 @@ pub fn next(
 /// The command that designs a motion for it, where the motion is all that changes and torque shows
 /// both.
 fn designed(rivals: [Candidate; 2], experiment: &Experiment) -> String {
-    let by_torque = |c: &Candidate| c.effect.seen() == Seen::Columns;
+    let by_torque =
+        |c: &Candidate| c.effect.seen() == Seen::Columns && !matches!(c.place, Place::Links(_));
     let [one, other] = rivals.map(|c| match c.place {
         Place::Joint(j) if c.effect.about().scope != Scope::Arm => {
             format!("{}@{}", c.name(), j + 1)

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::built::{self, Built, follows, is_kept, key, of_sensors, of_term};
-use super::candidate::{Candidate, Place, Term, shown};
+use super::candidate::{Candidate, Term, shown};
 use super::data::Data;
 use super::model::Model;
 use super::observed::Observed;
@@ -296,8 +296,7 @@ fn priors(data: &Data<'_>, model: &Model, columns: &[Raw]) -> Vec<f64> {
 /// deviations: as its effect says; else as gives the torque that effects are expected to have, at the
 /// joint where that is reached first.
 pub fn expected(data: &Data<'_>, candidate: Candidate, columns: &[Raw]) -> Vec<f64> {
-    let joint = if let Place::Joint(j) = candidate.place { j } else { 0 };
-    let known = candidate.effect.expected(&data.twin.robot, joint);
+    let known = candidate.expected(data.twin);
     let of = |column: &Raw| {
         let relative = |j: usize| match column.rows.touches(j) {
             true => {
@@ -320,6 +319,7 @@ pub fn expected(data: &Data<'_>, candidate: Candidate, columns: &[Raw]) -> Vec<f
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::candidate::Place;
     use crate::diagnosis::floor::noise_floor;
     use crate::effects::find;
     use crate::signals::testing::samples;
@@ -394,7 +394,7 @@ mod tests {
             let mut model = fit.model.clone();
             for term in &mut model.causes {
                 let linear = term.linear.clone();
-                term.candidate.effect.settle(&linear, &mut term.nonlinear);
+                term.candidate.settle(&linear, &mut term.nonlinear);
             }
             fit = Fit::plain(&data, model);
         }

@@ -75,7 +75,8 @@ pub struct Hypotheses<'a> {
 
 /// What acts in the whole arm leaves nothing of its kind to single joints.
 fn covers(whole: &Candidate, part: &Candidate) -> bool {
-    let everywhere = whole.place == Place::Arm && whole.recording.is_none();
+    let all = matches!(whole.place, Place::Arm | Place::Links(_));
+    let everywhere = all && whole.recording.is_none();
     whole.name() == part.name() && everywhere && part.place != whole.place
 }
 

@@ -38,19 +38,20 @@ pub(super) fn of_fit(fit: &Fit<'_>) -> Vec<Vec<Value>> {
     let cause = |i: usize| {
         let values = fit.values(i);
         let candidate = fit.model.causes[i].candidate;
-        let parameters = candidate.effect.about().parameters.iter().zip(values).enumerate();
+        let parameters = candidate.parameters().zip(values).enumerate();
         let windows = windows::intervals(fit, i);
         let window = |k: usize| {
             let at = |(end, _): &&(usize, [f64; 2])| candidate.linear() + end == k;
             windows.as_ref()?.iter().find(at).map(|(_, ends)| *ends)
         };
-        let value = |(k, (p, value)): (usize, (&Parameter, f64))| {
+        let value = |(k, ((p, joint), value)): (usize, ((&Parameter, Option<usize>), f64))| {
             let half = places[i][k].map_or(0.0, |column| half_width(&systems, column));
             let [low, high] = window(k).unwrap_or([value - half, value + half]);
             let [min, max] = candidate.range(k, fit.data.twin);
             let near = 1e-3 * (max - min).min(1e6);
             Value {
                 name: p.name.into(),
+                joint: joint.map(|j| j + 1),
                 unit: p.unit.into(),
                 value,
                 low: low.max(min),
@@ -60,7 +61,7 @@ pub(super) fn of_fit(fit: &Fit<'_>) -> Vec<Vec<Value>> {
                     && (value <= min || value >= max - near),
             }
         };
-        let own = parameters.filter(|(_, (p, _))| !p.is_reference());
+        let own = parameters.filter(|(_, ((p, _), _))| !p.is_reference());
         own.map(value).collect()
     };
     (0..fit.model.causes.len()).map(cause).collect()
@@ -77,7 +78,7 @@ fn information(fit: &Fit<'_>) -> (Systems, Places) {
     for (i, term) in fit.model.causes.iter().enumerate() {
         let linear: Vec<usize> = fit.model.range(i).collect();
         let mut of_cause = Vec::new();
-        for (k, p) in term.candidate.effect.about().parameters.iter().enumerate() {
+        for (k, (p, _)) in term.candidate.parameters().enumerate() {
             of_cause.push(match p.role {
                 Role::Linear => Some(linear[k]),
                 Role::Nonlinear if term.searched.contains(&(k - linear.len())) => {

@@ -195,6 +195,7 @@ impl Lagging {
         let half = normal_quantile(1.0 - LEVEL) * self.lag.sd;
         let value = Value {
             name: EFFECT.into(),
+            joint: None,
             unit: "s".into(),
             value: self.lag.value,
             low: (self.lag.value - half).max(0.0),

@@ -1,6 +1,6 @@
 //! The mended twin: what it lacked, and the friction that was fitted with it, written into it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Cause, Value};
 use crate::effects::{self, CATALOGUE, Effect, Parameter, Role, Scope};
@@ -45,7 +45,7 @@ fn add(twin: &mut Twin, cause: &Cause) {
     let at: Vec<usize> = match about.scope {
         Scope::Arm => vec![0],
         _ if cause.joints.is_empty() => (0..dof).collect(),
-        _ => cause.joints.iter().map(|j| j - 1).filter(|j| *j < dof).collect(),
+        _ => places(cause).into_iter().filter(|j| *j < dof).collect(),
     };
     // References follow from the other values where they are not given.
     for p in about.parameters.iter().filter(|p| !p.is_reference()) {
@@ -54,10 +54,10 @@ fn add(twin: &mut Twin, cause: &Cause) {
         let without = |j: usize| has(j) + absent(p);
         let values = twin.values.entry(p.name.into());
         let values = values.or_insert_with(|| (0..count).map(without).collect());
-        let of_cause = |v: &&Value| v.name == p.name && v.value.is_finite();
-        let Some(found) = cause.parameters.iter().find(of_cause) else { continue };
-        let places = values.iter_mut().enumerate().filter(|(j, _)| at.contains(j));
-        for (_, value) in places {
+        for (j, value) in values.iter_mut().enumerate().filter(|(j, _)| at.contains(j)) {
+            let here = |v: &&Value| v.joint.is_none_or(|joint| joint == j + 1);
+            let of_cause = |v: &&Value| v.name == p.name && v.value.is_finite() && here(v);
+            let Some(found) = cause.parameters.iter().find(of_cause) else { continue };
             let adds = p.role == Role::Linear && cause.replaces.is_none();
             *value = if adds { *value + found.value } else { found.value };
         }
@@ -65,6 +65,13 @@ fn add(twin: &mut Twin, cause: &Cause) {
     if !twin.effects.iter().any(|e| e == about.name) {
         twin.effects.push(about.name.into());
     }
+}
+
+/// Joints, from 0, that a cause has values for.
+fn places(cause: &Cause) -> Vec<usize> {
+    let own: BTreeSet<usize> = cause.parameters.iter().filter_map(|v| v.joint).collect();
+    let named = cause.joints.iter().copied().filter(|_| own.is_empty());
+    own.iter().copied().chain(named).map(|j| j - 1).collect()
 }
 
 /// Where an effect does not act; nonlinear parameters have no such value, any will do.
@@ -97,6 +104,7 @@ mod tests {
     fn cause(effect: &str, joints: &[usize], values: &[(&str, f64)]) -> Cause {
         let value = |&(name, value): &(&str, f64)| Value {
             name: name.into(),
+            joint: None,
             unit: String::new(),
             value,
             low: value,

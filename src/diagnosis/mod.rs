@@ -22,6 +22,7 @@ mod judge;
 mod kept;
 mod kinematics;
 mod link_masses;
+mod links;
 mod local_noise;
 mod locate;
 mod mend;

@@ -166,7 +166,7 @@ fn is_at_end(began: &Trial, now: &Trial, i: usize) -> bool {
 /// Is reference `i` close to the value it refers to?
 fn is_consistent(trial: &Trial, i: usize) -> bool {
     let mut should = trial.nonlinear.clone();
-    trial.candidate.effect.settle(&trial.linear, &mut should);
+    trial.candidate.settle(&trial.linear, &mut should);
     (should[i] - trial.nonlinear[i]).abs() <= INCONSISTENT * should[i].abs()
 }
 
@@ -174,14 +174,14 @@ fn is_consistent(trial: &Trial, i: usize) -> bool {
 pub fn settled(trial: &Trial, i: usize) -> bool {
     let mut moved = trial.nonlinear.clone();
     let linear: Vec<f64> = trial.linear.iter().map(|v| 1.7 * v + 1e-3).collect();
-    trial.candidate.effect.settle(&linear, &mut moved);
+    trial.candidate.settle(&linear, &mut moved);
     moved[i] != trial.nonlinear[i]
 }
 
 fn settle(fit: &Fit<'_>, mut trial: Trial) -> Trial {
     for _ in 0..SETTLING {
         let mut nonlinear = trial.nonlinear.clone();
-        trial.candidate.effect.settle(&trial.linear, &mut nonlinear);
+        trial.candidate.settle(&trial.linear, &mut nonlinear);
         if nonlinear == trial.nonlinear {
             break;
         }

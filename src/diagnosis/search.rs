@@ -11,6 +11,7 @@ use super::revise::revised;
 use super::screen::screen;
 
 /// One round: what was weighed, and what was added of it.
+#[derive(Clone)]
 pub struct Round {
     pub weighed: Vec<Weighed>,
     pub added: Vec<Candidate>,
@@ -41,7 +42,11 @@ pub struct Found<'a> {
 pub fn search<'a>(all: &Hypotheses<'a>) -> Found<'a> {
     let joints: Vec<usize> = (0..all.data.joints()).collect();
     let start = all.tuned(Fit::plain(all.data, Model::of(all.data.twin)), &joints);
-    let mut last = start.clone();
+    grown(all, start.clone(), start)
+}
+
+/// From `last` to all further causes the evidence supports.
+pub fn grown<'a>(all: &Hypotheses<'a>, start: Fit<'a>, mut last: Fit<'a>) -> Found<'a> {
     let (mut rounds, mut first) = (Vec::new(), Vec::new());
     while last.model.causes.len() < all.criteria.most_causes {
         let open = all.open(&last.model);

@@ -20,7 +20,7 @@ use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
     Cause, Checked, Diagnosis, Floor, Rejected, RoundEvidence, Scored, Settings, Shrink, Value,
-    Verdict, experiment, gap, intervals, link_masses, torque_shrink,
+    Verdict, experiment, gap, intervals, link_masses, links, torque_shrink,
 };
 use crate::effects::Role;
 
@@ -59,10 +59,16 @@ impl<'a> Findings<'a> {
         floor: Vec<Floor>,
         settings: &'a Settings,
     ) -> Self {
-        let ((found, alone), lagging) = rayon::join(
+        let ((mut found, mut alone), lagging) = rayon::join(
             || rayon::join(|| search(both), || search(blind)),
             || kinematics::lagging(fit, check, settings),
         );
+        // So many values are for both searches to ask for.
+        let links = links::with_links(blind, &alone);
+        let links = links.and_then(|alone| Some((alone, links::with_links(both, &found)?)));
+        if let Some(with_links) = links {
+            (alone, found) = with_links;
+        }
         let held = HeldOut::new(&alone.last, check);
         let Called { fit: last, standings, gains, unconfirmed } =
             called(both, &judge, &found, &held.causes);
@@ -157,7 +163,7 @@ impl<'a> Findings<'a> {
             .map(|has| Replaced { parameter: about.parameters[0].name.into(), twin: *has });
         Cause {
             effect: about.name.into(),
-            joints: candidate.place.joints(),
+            joints: links::told(candidate, &parameters),
             probability: self.probability(i),
             equivalent: ranking::equivalents(standing, self.criteria()),
             parameters,
@@ -169,7 +175,7 @@ impl<'a> Findings<'a> {
                 .map(|r| ["fit", "check"][r.min(1)].into()),
             found_without_check: self.held.causes.contains(&candidate),
             cause: about.cause.into(),
-            remedy: about.remedy.into(),
+            remedy: links::remedy(candidate).unwrap_or(about.remedy).into(),
         }
     }
 
@@ -282,7 +288,7 @@ fn fitted(fit: &Fit<'_>) -> BTreeMap<String, Vec<f64>> {
         let mut nonlinear = term.nonlinear.iter();
         let (at, count) = match term.candidate.place {
             Place::Joint(j) => (j, fit.data.joints()),
-            Place::Arm => (0, 1),
+            Place::Arm | Place::Links(_) => (0, 1),
         };
         let parameters = term.candidate.effect.about().parameters.iter();
         for p in parameters.filter(|p| !p.is_reference()) {

@@ -1,6 +1,6 @@
 //! A diagnosis in sentences.
 
-use super::{Cause, Diagnosis, Episode, Touch, UnexplainedJoint, Verdict};
+use super::{Cause, Diagnosis, Episode, Touch, UnexplainedJoint, Value, Verdict};
 
 /// "joint 2", "joints 1, 3" or "the whole arm"; joints count from 1.
 pub fn place(joints: &[usize]) -> String {
@@ -122,10 +122,20 @@ fn lacks(d: &Diagnosis) -> String {
 /// "payload_mass 2.81 kg, the twin has 0.14; "
 fn value(cause: &Cause) -> String {
     let Some(first) = cause.parameters.first() else { return String::new() };
+    // Of many links the one that is off the most.
+    let alike = cause.parameters.iter().filter(|v| v.name == first.name);
+    let most = alike.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
+    let first = most.unwrap_or(first);
+    let at = first.joint.map_or(String::new(), |j| format!(" at joint {j}"));
     let unit = if first.unit == "-" { String::new() } else { format!(" {}", first.unit) };
     let twin = cause.replaces.as_ref();
     let twin = twin.map_or(String::new(), |r| format!(", the twin has {}", short(r.twin)));
-    format!("{} {}{unit}{twin}; ", first.name, short(first.value))
+    format!("{} {}{unit}{at}{twin}; ", first.name, short(first.value))
+}
+
+/// `link_mass` or, of several joints, `link_mass, joint 2`.
+pub fn parameter(v: &Value) -> String {
+    v.joint.map_or(v.name.clone(), |j| format!("{}, joint {j}", v.name))
 }
 
 /// Three digits.

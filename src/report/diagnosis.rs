@@ -29,7 +29,7 @@ pub const PARAMETERS: [&str; 6] = ["parameter", "unit", "value", "90 % low", "hi
 pub fn parameter(v: &Value) -> Vec<String> {
     let [value, low, high] = to_uncertainty(v.value, v.low, v.high);
     let bound = if v.at_bound { "at its bound" } else { "" };
-    vec![v.name.clone(), v.unit.clone(), value, low, high, bound.into()]
+    vec![words::parameter(v), v.unit.clone(), value, low, high, bound.into()]
 }
 
 /// "payload at the whole arm"

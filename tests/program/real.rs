@@ -145,3 +145,51 @@ fn pushes_are_found_in_time(folder: &Path, twin: &Path, out: &Path) {
         }
     }
 }
+
+/// The manufacturer's UR10e with 2 kg in every link, as in a well-known model, held against the real
+/// one: many links off are one cause, beside those that the manufacturer's own model lacks.
+#[test]
+fn links_of_a_bad_model_are_one_cause() {
+    let Some(folder) = recordings(UR10E) else { return };
+    let out = TempDir::new().unwrap();
+    let urdf = out.path().join("bad.urdf");
+    let good = armtwin(&["urdf", "--robot", "ur10e", "-o", urdf.to_str().unwrap()]);
+    assert_eq!(good.code, 0, "{}", good.stderr);
+    std::fs::write(&urdf, two_kilograms(&std::fs::read_to_string(&urdf).unwrap())).unwrap();
+    let nominal = std::fs::read_to_string("scenarios/twins/ur10e.toml").unwrap();
+    let twin = out.path().join("bad.toml");
+    std::fs::write(&twin, nominal.replace("\"ur10e\"", "\"bad.urdf\"")).unwrap();
+    let file = |name: &str| folder.join(format!("ur-20_{name}.csv.gz"));
+    let map = ["--columns", "scenarios/columns/ur10e_shamilmamedov.toml"];
+    let [fit, check] = [file("02_12-40sec_12harm"), file("02_19_14harm50sec")];
+    let found = diagnose(&fit, &check, &twin, &map, &out.path().join("bad"));
+    let links: Vec<_> = causes(&found).into_iter().filter(|c| c.0 == "link_inertia").collect();
+    assert!(links.len() == 1 && links[0].1.len() > 1, "{links:?}");
+    assert!(names(&found, "load_friction", 2) && names(&found, "load_friction", 3));
+    // As little is left as with the manufacturer's links.
+    let nominal = Path::new("scenarios/twins/ur10e.toml");
+    let known = diagnose(&fit, &check, nominal, &map, &out.path().join("good"));
+    assert!(causes(&known).iter().all(|c| c.0 != "link_inertia"), "{:?}", causes(&known));
+    let [bad, good] = [&found, &known].map(|d| shrink(d, "after_nm"));
+    assert!(bad < 1.1 * good, "{bad} N.m, {good} N.m");
+}
+
+/// Every link's mass is 2 kg, its inertia in proportion.
+fn two_kilograms(urdf: &str) -> String {
+    let mut factor = 1.0;
+    let scaled = |line: &str| match line.split('"').collect::<Vec<_>>()[..] {
+        [before, number, after] if before.trim_start().starts_with("<mass value=") => {
+            factor = 2.0 / number.parse::<f64>().unwrap();
+            format!("{before}\"2.0\"{after}")
+        }
+        ref parts if line.trim_start().starts_with("<inertia ") => {
+            let number = |(i, part): (usize, &&str)| match part.parse::<f64>() {
+                Ok(value) if i % 2 == 1 => (value * factor).to_string(),
+                _ => part.to_string(),
+            };
+            parts.iter().enumerate().map(number).collect::<Vec<_>>().join("\"")
+        }
+        _ => line.to_string(),
+    };
+    urdf.lines().map(scaled).collect::<Vec<_>>().join("\n")
+}

@@ -63,7 +63,7 @@ fn cause(c: &Cause) -> String {
         .iter()
         .map(|v| {
             let [value, low, high] = to_uncertainty(v.value, v.low, v.high);
-            vec![v.name.clone(), v.unit.clone(), value, format!("{low} .. {high}")]
+            vec![words::parameter(v), v.unit.clone(), value, format!("{low} .. {high}")]
         })
         .collect();
     format!(

@@ -46,6 +46,7 @@ fn by_hand() -> Diagnosis {
     };
     let mass = Value {
         name: "payload_mass".into(),
+        joint: None,
         unit: "kg".into(),
         value: 2.805,
         low: 2.7,

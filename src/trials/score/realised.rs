@@ -33,7 +33,7 @@ fn hidden(hidden: &Hidden) -> Option<Cause> {
     let value = |p: &TrueValue| {
         let value = *p.values.first()?;
         let (name, unit) = (p.name.clone(), String::new());
-        Some(Value { name, unit, value, low: value, high: value, at_bound: false })
+        Some(Value { name, joint: None, unit, value, low: value, high: value, at_bound: false })
     };
     Some(Cause {
         effect: hidden.effect.clone(),

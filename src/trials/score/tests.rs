@@ -47,6 +47,7 @@ pub(super) fn cause(name: &Named, equivalent: &[Named]) -> Cause {
         equivalent: equivalent.to_vec(),
         parameters: vec![Value {
             name: "size".into(),
+            joint: None,
             unit: String::new(),
             value: 2.2,
             low: 1.9,

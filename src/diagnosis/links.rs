@@ -1,0 +1,159 @@
+//! Inertial parameters of all links as one cause: what single causes cannot stand for.
+//!
+//! Every link has a change of mass and of first moments of its own, the same at all joints. So many
+//! values are weighed last, beside what single causes have found, which then have to earn their places
+//! beside them: the evidence of the whole model decides. How far links are expected to be from the
+//! twin's is what the data say, one among a few spreads.
+
+use super::Value;
+use super::candidate::{Candidate, Place};
+use super::fit::Fit;
+use super::hypotheses::Hypotheses;
+use super::revise::revised;
+use super::screen::screen;
+use super::search::{Found, grown};
+use crate::effects::find;
+
+/// Times what CAD is commonly wrong by: from that to links that are off several times.
+const SPREADS: [f64; 3] = [1.0, 3.0, 10.0];
+
+/// All links, as far from the twin's as `spread` times what is common.
+fn all_links(links: usize, spread: f64) -> Option<Candidate> {
+    let effect = find("link_inertia")?;
+    Some(Candidate { spread, ..Candidate::new(effect, Place::Links(links)) })
+}
+
+/// What was found with all links beside it, where the evidence of the whole model is for them.
+pub fn with_links<'a>(all: &Hypotheses<'a>, found: &Found<'a>) -> Option<Found<'a>> {
+    let effect = |name: &str| all.candidates.iter().any(|c| c.name() == name);
+    let dof = all.data.twin.robot.dof();
+    let groups = SPREADS.iter().filter_map(|&spread| all_links(dof, spread));
+    let groups: Vec<Candidate> = groups.filter(|c| effect(c.name())).collect();
+    let ranked = all.weigh(&found.last, screen(&found.last, &groups), groups.len());
+    let best = ranked.first().filter(|h| h.at_bound.is_none())?;
+    if best.nats < all.criteria.least_nats {
+        return None;
+    }
+    let group = best.candidate();
+    let fit = settled(all, best.fit.clone(), group);
+    let mut more = fit.model.has(group).then(|| grown(all, found.start.clone(), fit))?;
+    let better = worth(all, &more.last) - worth(all, &found.last) > all.criteria.least_nats;
+    more.rounds.splice(..0, found.rounds.iter().cloned());
+    more.screened.clone_from(&found.screened);
+    (better && more.last.model.has(group)).then_some(more)
+}
+
+/// Causes that `group` was mistaken for go.
+fn settled<'a>(all: &Hypotheses<'a>, mut fit: Fit<'a>, group: Candidate) -> Fit<'a> {
+    loop {
+        let next = revised(all, fit.clone(), vec![group]);
+        let same = next.model.causes.len() == fit.model.causes.len()
+            && next.model.causes.iter().all(|t| fit.model.has(t.candidate));
+        fit = next;
+        if same {
+            return fit;
+        }
+    }
+}
+
+/// Evidence of a model, each of its causes one among so many, nats.
+fn worth(all: &Hypotheses<'_>, fit: &Fit<'_>) -> f64 {
+    fit.ln_evidence() - fit.model.causes.len() as f64 * all.ln_rivals()
+}
+
+/// What to do about all links; `None` for other causes.
+pub fn remedy(candidate: Candidate) -> Option<&'static str> {
+    matches!(candidate.place, Place::Links(_)).then_some(
+        "take the mended twin, or let `armtwin identify --with inertia --save-urdf FILE` find the links \
+         with their inertia and write them as a URDF",
+    )
+}
+
+/// Joints of a cause, from 1: of all links those of which its values say for sure that they are off.
+pub fn told(candidate: Candidate, values: &[Value]) -> Vec<usize> {
+    let Place::Links(_) = candidate.place else { return candidate.place.joints() };
+    let off = |joint: &usize| {
+        let own = values.iter().filter(|v| v.joint == Some(*joint));
+        own.into_iter().any(|v| v.low > 0.0 || v.high < 0.0)
+    };
+    candidate.place.joints().into_iter().filter(off).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::{Diagnosis, Settings, diagnose};
+    use crate::signals::Samples;
+    use crate::signals::testing::{noisy, samples};
+    use crate::twin::Twin;
+
+    /// A run of an arm; its path depends on `speed`.
+    fn recorded(arm: &Twin, speed: f64) -> Samples {
+        let mut arm = arm.clone();
+        arm.values.insert("coulomb".into(), vec![5.0, 6.0, 4.0, 1.5, 1.2, 1.0]);
+        arm.values.insert("viscous".into(), vec![9.0, 10.0, 7.0, 2.0, 1.5, 1.0]);
+        let mut made = samples(6, 4000, |j, t| {
+            let w = speed + 0.31 * j as f64;
+            0.7 * (w * t).sin() + 0.4 * (0.43 * w * t + j as f64).cos()
+        });
+        made.torque = arm.torque(&arm.motion(&made));
+        noisy(&mut made, 0.3);
+        made
+    }
+
+    fn diagnosed(arm: &Twin) -> Diagnosis {
+        let [fit, check] = [1.1, 1.4].map(|speed| recorded(arm, speed));
+        diagnose(&Twin::default(), &fit, &check, &Settings::default()).unwrap()
+    }
+
+    /// Every link's mass is off, up and down in turn.
+    #[test]
+    fn many_links_off_are_one_cause() {
+        let mut arm = Twin::default();
+        for (i, body) in arm.robot.bodies.iter_mut().enumerate() {
+            let factor = if i % 2 == 0 { 1.3 } else { 0.7 };
+            body.inertia.mass *= factor;
+            body.inertia.about_com *= factor;
+        }
+        let found = diagnosed(&arm);
+        let [cause] = &found.causes[..] else { panic!("{:?}", found.causes) };
+        assert_eq!(cause.effect, "link_inertia");
+        assert!(cause.joints.len() > 1 && cause.parameters.len() == 4 * 6, "{cause:?}");
+        assert!(cause.shrink.fraction > 0.9, "{:?}", cause.shrink);
+    }
+
+    /// What one load explains is not spread over all links.
+    #[test]
+    fn a_load_is_no_change_of_all_links() {
+        let mut arm = Twin::default();
+        arm.effects.push("payload".into());
+        for (name, value) in [("payload_mass", 2.0), ("payload_moment_z", 0.2)] {
+            arm.values.insert(name.into(), vec![value]);
+        }
+        for name in ["payload_moment_x", "payload_moment_y"] {
+            arm.values.insert(name.into(), vec![0.0]);
+        }
+        let found = diagnosed(&arm);
+        assert!(found.causes.iter().all(|c| c.joints.len() < 2), "{:?}", found.causes);
+        assert_eq!(found.causes[0].effect, "payload");
+    }
+
+    #[test]
+    fn sets_of_values_are_kept_apart() {
+        let twin = Twin::default();
+        let all = all_links(6, 3.0).unwrap();
+        let one = Candidate::new(all.effect, Place::Joint(2));
+        assert_eq!(all.linear(), 24);
+        assert_eq!(
+            all.expected(&twin)[8..12],
+            one.expected(&twin).iter().map(|s| 3.0 * s).collect::<Vec<_>>()
+        );
+        let named: Vec<_> = all.parameters().map(|(p, joint)| (p.name, joint)).collect();
+        assert_eq!(named[9], ("link_moment_x", Some(2)));
+        assert_eq!(named[24], ("link_mass_reference", Some(0)));
+        let linear: Vec<f64> = (0..24).map(|i| 0.01 * f64::from(i)).collect();
+        let mut references = vec![0.0; 24];
+        all.settle(&linear, &mut references);
+        assert_eq!(references, linear);
+    }
+}
