@@ -53,7 +53,7 @@ pub struct Args {
     /// The figures for the viewer
     #[arg(long, value_name = "FILE.rrd")]
     rrd: Option<PathBuf>,
-    /// Of the searches and chains
+    /// Random seed for the searches and chains
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Seeds and starts in the comparison of PSO with NLSE

@@ -30,7 +30,7 @@ pub struct Args {
     /// Folder for the results
     #[arg(long, value_name = "DIR", default_value = "demo")]
     out: PathBuf,
-    /// Of the sensors' noise and the swarm
+    /// Random seed for the sensors' noise and the swarm
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Length of both recordings, s

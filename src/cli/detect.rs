@@ -29,10 +29,10 @@ pub struct Args {
     /// Noise drawn per strength
     #[arg(long, value_name = "N", default_value_t = Settings::default().seeds)]
     seeds: u64,
-    /// Of both recordings, s
+    /// Length of both recordings, s
     #[arg(long, value_name = "S", default_value_t = Settings::default().duration_s)]
     duration: f64,
-    /// Of the current noise, dB
+    /// Signal-to-noise ratio of the current, dB
     #[arg(long, value_name = "DB", default_value_t = Settings::default().snr_db)]
     snr: f64,
     /// Folder for what is finished, one JSON file per effect; what it holds is not measured again

@@ -50,10 +50,10 @@ pub struct Args {
     /// Largest distance of a joint from the middle pose, rad
     #[arg(long, value_name = "RAD", default_value_t = 1.0, allow_negative_numbers = true)]
     range: f64,
-    /// Of any joint, rad/s, if its own limit is not lower
+    /// Largest speed of any joint, rad/s, if its own limit is not lower
     #[arg(long, value_name = "RAD/S", default_value_t = 1.5, allow_negative_numbers = true)]
     speed: f64,
-    /// Of any joint, rad/s2
+    /// Largest acceleration of any joint, rad/s2
     #[arg(long, value_name = "RAD/S2", default_value_t = 5.0, allow_negative_numbers = true)]
     acceleration: f64,
     /// Middle pose, one angle per joint, rad; left out: above the table for UR arms, the middle of the
@@ -66,7 +66,7 @@ pub struct Args {
     /// A box that no part of the arm may touch, m; may be given several times
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true)]
     keep_out: Vec<String>,
-    /// Of the capsules around the links, m [default: 5 % of the arm's length]
+    /// Radius of the capsules around the links, m [default: 5 % of the arm's length]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     radius: Option<f64>,
     /// Length of a tool beyond the flange, along its z axis, m
@@ -75,13 +75,13 @@ pub struct Args {
     /// Kept between surfaces, m
     #[arg(long, value_name = "M", default_value_t = 0.02, allow_negative_numbers = true)]
     clearance: f64,
-    /// Of the torque of each joint, standard deviation, N.m [default: 1 % of its largest torque]
+    /// Noise of each joint's torque, standard deviation, N.m [default: 1 % of its largest torque]
     #[arg(long, value_name = "N.M,...", value_delimiter = ',', allow_hyphen_values = true)]
     noise: Option<Vec<f64>>,
-    /// Of the recording the motion is made for, Hz
+    /// Rate of the recording the motion is made for, Hz
     #[arg(long, value_name = "HZ", default_value_t = 125.0, allow_negative_numbers = true)]
     rate: f64,
-    /// Of the search
+    /// Random seed for the search
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Motions the search tries: more take longer and tell more

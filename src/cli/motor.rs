@@ -50,7 +50,7 @@ pub struct Args {
     /// A parameter known beforehand; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = parse_given)]
     given: Vec<(usize, f64)>,
-    /// Of the noise and the searches
+    /// Random seed for the noise and the searches
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Repeat over many noises and count what is kept and covered; Ctrl-C shows what is done

@@ -35,7 +35,7 @@ pub struct Args {
     /// Seed of the sensors' noise, in place of the scenario's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Of the two recordings
+    /// File format of the two recordings
     #[arg(long, value_enum, default_value = "csv")]
     format: Written,
     /// Length of both motions in seconds, in place of the scenario's

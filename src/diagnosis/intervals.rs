@@ -6,7 +6,7 @@
 //! scale of all torque, a parameter beside the others: what weighs is as uncertain as the scale it is
 //! weighed with. The ends of a window of time are told otherwise (`windows`).
 
-use super::candidate::Extent;
+use super::candidate::{Candidate, Extent};
 use super::discrepancy::MASSES;
 use super::fit::Fit;
 use super::{Value, slow, windows};
@@ -65,6 +65,19 @@ pub(super) fn of_fit(fit: &Fit<'_>) -> Vec<Vec<Value>> {
         own.map(value).collect()
     };
     (0..fit.model.causes.len()).map(cause).collect()
+}
+
+/// Do the intervals of a cause hold its absence? All of its linear values may then be none at all; of a
+/// cause without linear values, its first.
+pub fn may_be_absent(candidate: Candidate, values: &[Value]) -> bool {
+    let own = candidate.parameters().filter(|(p, _)| !p.is_reference()).zip(values);
+    let all: Vec<(&Parameter, &Value)> = own.map(|((p, _), value)| (p, value)).collect();
+    let holds = |(p, v): &(&Parameter, &Value)| v.low <= p.null && p.null <= v.high;
+    let mut linear = all.iter().filter(|(p, _)| p.role == Role::Linear).peekable();
+    match linear.peek() {
+        Some(_) => linear.all(holds),
+        None => all.first().is_some_and(holds),
+    }
 }
 
 /// Column of each parameter, cause by cause; `None` where it was not searched.
@@ -216,5 +229,22 @@ mod tests {
         let values = of_fit(&fit);
         let held = &values[0][0];
         assert!(held.value == 0.0 && held.low == 0.0 && held.high > 0.01, "{held:?}");
+    }
+
+    /// An amplitude is there where its sine or its cosine is.
+    #[test]
+    fn a_cause_is_there_if_one_of_its_values_is() {
+        let ripple = Candidate::new(find("torque_ripple").unwrap(), Place::Joint(1));
+        let value = |[low, high]: [f64; 2]| {
+            let (name, unit) = (String::new(), String::new());
+            Value { name, joint: None, unit, value: 0.5 * (low + high), low, high, at_bound: false }
+        };
+        let absent = |sine, cosine| {
+            may_be_absent(ripple, &[value(sine), value(cosine), value([10.0, 12.0])])
+        };
+        assert!(absent([-0.1, 0.1], [-0.2, 0.3]));
+        assert!(!absent([-0.1, 0.1], [0.2, 0.3]));
+        let delay = Candidate::new(find("time_delay").unwrap(), Place::Arm);
+        assert!(!may_be_absent(delay, &[value([1e-3, 2e-3])]));
     }
 }

@@ -37,6 +37,8 @@ pub struct Findings<'a> {
     pub gains: Vec<Gain>,
     /// What both recordings show together, and the fit recording alone does not.
     pub unconfirmed: Vec<Candidate>,
+    /// Those whose intervals hold that there is nothing.
+    pub unsure: Vec<Candidate>,
     /// What a search of the fit recording alone says of the check.
     pub held: HeldOut,
     pub fit: &'a Observed<'a>,
@@ -70,7 +72,7 @@ impl<'a> Findings<'a> {
             (alone, found) = with_links;
         }
         let held = HeldOut::new(&alone.last, check);
-        let Called { fit: last, standings, gains, unconfirmed } =
+        let Called { fit: last, standings, gains, unconfirmed, unsure } =
             called(both, &judge, &found, &held.causes);
         let alone = Fit::plain(blind.data, Model::of(fit.twin));
         Self {
@@ -80,6 +82,7 @@ impl<'a> Findings<'a> {
             standings,
             gains,
             unconfirmed,
+            unsure,
             held,
             fit,
             check,
@@ -250,9 +253,11 @@ impl<'a> Findings<'a> {
         let dropped =
             self.found.last.model.causes.iter().filter(|t| !self.last.model.has(t.candidate));
         for term in dropped {
-            let why = match self.unconfirmed.contains(&term.candidate) {
-                true => "both recordings together show it, the fit recording alone does not",
-                false => "takes nothing sure off the check recording",
+            let among = |some: &[Candidate]| some.contains(&term.candidate);
+            let why = match (among(&self.unconfirmed), among(&self.unsure)) {
+                (true, _) => "both recordings together show it, the fit recording alone does not",
+                (_, true) => "the interval of its value holds that there is nothing",
+                _ => "takes nothing sure off the check recording",
             };
             let name = super::candidate::describe(term.candidate);
             notes.push(format!("{name} fits too, but {why}"));

@@ -47,6 +47,20 @@ pub fn sentence(d: &Diagnosis) -> String {
     first + &pushes(d)
 }
 
+/// The answer in two lines: what, where, how sure, how far.
+pub fn headline(d: &Diagnosis) -> String {
+    let torque = &d.shrink.torque;
+    let shrinks = format!(
+        " The gap shrinks from {:.2} to {:.2} N.m on a recording that was not searched.",
+        torque.before_nm, torque.after_nm
+    );
+    let first = match d.verdict {
+        Verdict::NoGap | Verdict::Unexplained => return sentence(d),
+        Verdict::Explained | Verdict::PartlyExplained => lacks(d) + &shrinks,
+    };
+    first + &pushes(d)
+}
+
 /// What the causes leave: how much, where, and on what it depends.
 pub fn stays(d: &Diagnosis) -> String {
     let left = &d.unexplained;
@@ -63,8 +77,19 @@ pub fn stays(d: &Diagnosis) -> String {
     format!("{:.2} N.m stay unexplained{place}.", left.rms_nm)
 }
 
-/// When something pushed at the arm, as far as one force explains what stands out there.
+/// When something pushed at the arm, where a force on one link explains all joints.
 fn pushes(d: &Diagnosis) -> String {
+    let all = stretches(d, |e| e.touch.is_some());
+    if all.is_empty() { all } else { format!(" Something pushes at the arm: {all}.") }
+}
+
+/// Stretches that a force at the flange would explain, and no force on a link over time does.
+pub fn suspicions(d: &Diagnosis) -> String {
+    stretches(d, |e| e.touch.is_none() && e.is_push())
+}
+
+/// `12.8 to 13.4 s (check, 41 N at link 5)`, one after the other.
+fn stretches(d: &Diagnosis, which: impl Fn(&&Episode) -> bool) -> String {
     let one = |e: &Episode| {
         let Episode { start, end, recording, .. } = e;
         let touch = e.touch.as_ref();
@@ -72,12 +97,7 @@ fn pushes(d: &Diagnosis) -> String {
             touch.map_or(String::new(), |t| format!(", {:.0} N at link {}", t.peak_n, t.link));
         format!("{start:.1} to {end:.1} s ({recording}{touch})")
     };
-    let pushed = d.episodes.iter().filter(|e| e.is_push() || e.touch.is_some());
-    let all: Vec<String> = pushed.map(one).collect();
-    match all.is_empty() {
-        true => String::new(),
-        false => format!(" Something pushes at the arm: {}.", all.join(", ")),
-    }
+    d.episodes.iter().filter(which).map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// Causes told at once; more are in the table.
@@ -121,16 +141,19 @@ fn lacks(d: &Diagnosis) -> String {
 
 /// "payload_mass 2.81 kg, the twin has 0.14; "
 fn value(cause: &Cause) -> String {
-    let Some(first) = cause.parameters.first() else { return String::new() };
-    // Of many links the one that is off the most.
-    let alike = cause.parameters.iter().filter(|v| v.name == first.name);
-    let most = alike.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
-    let first = most.unwrap_or(first);
+    let Some(first) = foremost(cause) else { return String::new() };
     let at = first.joint.map_or(String::new(), |j| format!(" at joint {j}"));
     let unit = if first.unit == "-" { String::new() } else { format!(" {}", first.unit) };
     let twin = cause.replaces.as_ref();
     let twin = twin.map_or(String::new(), |r| format!(", the twin has {}", short(r.twin)));
     format!("{} {}{unit}{at}{twin}; ", first.name, short(first.value))
+}
+
+/// What is told of a cause first: its first value; of many links that of the link that is off the most.
+pub fn foremost(cause: &Cause) -> Option<&Value> {
+    let first = cause.parameters.first()?;
+    let alike = cause.parameters.iter().filter(|v| v.name == first.name);
+    alike.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))
 }
 
 /// `link_mass` or, of several joints, `link_mass, joint 2`.

@@ -1,4 +1,4 @@
-//! Every `armtwin` command of the README, as written.
+//! Every `armtwin` command of the README and of `docs/commands.md`, as written.
 
 use std::fs;
 use std::path::Path;
@@ -13,14 +13,14 @@ fn commands(markdown: &str) -> Vec<String> {
     lines.map(|l| l.split(" #").next().unwrap().trim().to_string()).collect()
 }
 
-#[test]
-fn readme_commands_do_what_they_say() {
+/// Runs the commands of a page in a folder of its own, in their order.
+fn run(page: &str, least: usize) -> TempDir {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = TempDir::new().unwrap();
     #[cfg(unix)]
     std::os::unix::fs::symlink(root.join("scenarios"), folder.path().join("scenarios")).unwrap();
-    let all = commands(&fs::read_to_string(root.join("README.md")).unwrap());
-    assert!(all.len() >= 8, "{all:?}");
+    let all = commands(&fs::read_to_string(root.join(page)).unwrap());
+    assert!(all.len() >= least, "{all:?}");
     for command in all {
         if command.starts_with("armtwin compare") && cfg!(not(feature = "viewer")) {
             continue;
@@ -32,7 +32,24 @@ fn readme_commands_do_what_they_say() {
             .unwrap();
         assert!(run.status.success(), "{command}: {}", String::from_utf8_lossy(&run.stderr));
     }
-    for file in ["friction/truth.json", "twin.toml", "fit.csv.gz", "ur5.urdf"] {
+    folder
+}
+
+#[test]
+fn readme_commands_do_what_they_say() {
+    let folder = run("README.md", 5);
+    for file in ["friction/truth.json", "twin.toml", "diagnosis/report.html", "diagnosis/twin.toml"]
+    {
+        assert!(folder.path().join(file).is_file(), "{file} is missing");
+    }
+}
+
+#[test]
+fn every_command_has_an_example_that_runs() {
+    let folder = run("docs/commands.md", 15);
+    for file in
+        ["friction/truth.json", "twin.toml", "fit.csv.gz", "ur5.urdf", "links.urdf", "arm.xml"]
+    {
         assert!(folder.path().join(file).is_file(), "{file} is missing");
     }
 }

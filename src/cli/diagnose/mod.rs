@@ -1,5 +1,6 @@
 //! `armtwin diagnose`: where the twin differs from the arm, which effect it lacks, how far that helps.
 
+mod brief;
 mod causes;
 mod gap;
 mod load;
@@ -62,7 +63,7 @@ pub struct Args {
     /// Effects to take out of the catalogue
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     without: Vec<String>,
-    /// Of features and bootstraps
+    /// Random seed for the discrepancy's features and for bootstraps
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// How well the twin's link masses are known, relative; 0: exactly [default: 0.05]
@@ -74,6 +75,9 @@ pub struct Args {
     /// Do not move the twin again in the simulation
     #[arg(long)]
     no_simulation: bool,
+    /// Print every table: regimes, all candidates, what was set aside, notes
+    #[arg(long)]
+    full: bool,
     /// Write everything as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -91,9 +95,9 @@ pub(super) fn conditioned(
     load::condition(recordings, twin, &ConditioningArgs::default())
 }
 
-/// What was found, for people.
+/// What was found, for people, on one screen.
 pub(super) fn findings(done: &Diagnosed) -> String {
-    page::findings(&done.diagnosis)
+    brief::findings(&done.diagnosis)
 }
 
 /// A diagnosis and all that led to it.
@@ -105,7 +109,7 @@ pub(super) struct Diagnosed {
     pub check: Recorded,
     pub diagnosis: Diagnosis,
     pub traces: Traces,
-    /// Of the twin as given and the mended one, moved again, rad.
+    /// Positions of the twin as given and of the mended one, moved again, rad.
     #[cfg_attr(not(feature = "viewer"), allow(dead_code))]
     pub simulated: Vec<JointSeries>,
     /// Wall-clock, s.
@@ -131,7 +135,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(out) = &args.out {
         output::write(&done, out)?;
     }
-    out::page(&page::page(&done));
+    out::page(&if args.full { page::page(&done) } else { brief::page(&done) });
     if let Some(out) = &args.out {
         println!("\n{}", output::written(out));
         if args.view {

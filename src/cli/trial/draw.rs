@@ -32,7 +32,7 @@ pub struct Args {
     /// effect at every strength once]
     #[arg(long, value_name = "N", conflicts_with = "from")]
     cases: Option<usize>,
-    /// Of everything that is drawn
+    /// Random seed for everything that is drawn
     #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "from")]
     seed: u64,
     /// Only these kinds (clean, single, pair, withheld, foreign, unseen; with --on untouched, grafted,

@@ -1,0 +1,81 @@
+//! A diagnosis on one screen: the answer, where, which causes, how far, what stays, what next.
+
+use super::Diagnosed;
+use super::page::titled;
+use crate::diagnosis::{Cause, Diagnosis, words};
+use crate::report::diagnosis as rows;
+use crate::report::{paragraph, table, to_uncertainty};
+
+pub fn page(done: &Diagnosed) -> String {
+    let d = &done.diagnosis;
+    let seconds = done.seconds;
+    findings(d)
+        + &format!("armtwin {}, seed {}, {seconds:.1} s; ", d.armtwin, done.settings.seed)
+        + &format!("{} notes and all tables: --full", d.notes.len())
+}
+
+pub fn findings(d: &Diagnosis) -> String {
+    let mut text = format!("{}\n", paragraph("", &words::headline(d)));
+    text += &titled("Where: recorded torque less the twin's, check recording, rms", &joints(d));
+    text += &titled("Causes, what takes most off first", &causes(d));
+    text += &titled("How far", &how_far(d));
+    text += &titled("What stays", &paragraph("", &words::stays(d)));
+    text += &titled("Perhaps a push (not explained by all joints alike)", &words::suspicions(d));
+    text + &titled("Next experiment", &paragraph("", &d.next_experiment))
+}
+
+const JOINTS: [&str; 5] = ["joint", "before N.m", "after N.m", "noise N.m", "of the gap"];
+
+fn joints(d: &Diagnosis) -> String {
+    let both = d.gap.joints.iter().zip(&d.shrink.torque.joints);
+    let row = both.map(|(gap, shrink)| {
+        let nm = |torque: f64| format!("{torque:.2}");
+        let share = words::percent(gap.share);
+        let [before, after] = [shrink.before_nm, shrink.after_nm].map(nm);
+        vec![gap.joint.to_string(), before, after, nm(gap.noise_floor_nm), share]
+    });
+    table(&JOINTS, 1, row)
+}
+
+const CAUSES: [&str; 7] = ["cause", "parameter", "value", "90 % low", "high", "sure", "takes off"];
+
+fn causes(d: &Diagnosis) -> String {
+    if d.causes.is_empty() {
+        return String::new();
+    }
+    let rows = table(&CAUSES, 2, d.causes.iter().map(cause));
+    let same = d.causes.iter().filter(|c| !c.equivalent.is_empty()).map(|c| {
+        let others: Vec<String> = c.equivalent.iter().map(rows::named).collect();
+        paragraph("", &format!("{} looks the same as {}", c.effect, others.join("; ")))
+    });
+    format!("{rows}\n{}", same.collect::<String>())
+}
+
+fn cause(c: &Cause) -> Vec<String> {
+    let name = format!("{}, {}", c.effect, words::place(&c.joints));
+    let [sure, share] = [c.probability, c.shrink.fraction].map(words::percent);
+    let (parameter, values) = match words::foremost(c) {
+        Some(v) => {
+            let unit = if v.unit == "-" { String::new() } else { format!(", {}", v.unit) };
+            (words::parameter(v) + &unit, to_uncertainty(v.value, v.low, v.high))
+        }
+        None => (String::new(), Default::default()),
+    };
+    let [value, low, high] = values;
+    vec![name, parameter, value, low, high, sure, share]
+}
+
+fn how_far(d: &Diagnosis) -> String {
+    let t = &d.shrink.torque;
+    let [share, low, high] = [t.fraction, t.low, t.high].map(words::percent);
+    let torque = format!(
+        "torque {:.2} -> {:.2} N.m on a recording that was not searched: {share} of the mean square \
+         ({low} to {high})",
+        t.before_nm, t.after_nm
+    );
+    let simulated = d.shrink.simulation.as_ref().map_or(String::new(), |s| {
+        let [before, after] = [s.before_rad, s.after_rad].map(|rad| 1e3 * rad);
+        format!("; position in simulation {before:.2} -> {after:.2} mrad")
+    });
+    paragraph("", &(torque + &simulated))
+}
