@@ -7,6 +7,7 @@ use anyhow::anyhow;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
+use super::outputs::Output;
 use super::save;
 use crate::effects::{self, CATALOGUE, Effect};
 use crate::report::markdown_table;
@@ -40,10 +41,10 @@ pub struct Args {
     keep: Option<PathBuf>,
     /// Markdown file to write; left out, standard output
     #[arg(short, long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    out: Option<Output>,
     /// The measurements as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -63,18 +64,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         .inspect(|_| bar.inc(1))
         .collect::<anyhow::Result<_>>()?;
     bar.finish_and_clear();
+    save::page(args.out.as_deref(), &page(&settings, &measured))?;
     if let Some(path) = &args.json {
         let all = serde_json::json!({ "settings": &settings, "effects": &measured });
         save::json(path, "armtwin.detectability/1", &all)?;
     }
-    let page = page(&settings, &measured);
-    match &args.out {
-        Some(path) => save::text(path, &page),
-        None => {
-            print!("{page}");
-            Ok(())
-        }
-    }
+    Ok(())
 }
 
 fn effect_of(file: &Path) -> anyhow::Result<(&'static dyn Effect, &Path)> {

@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use clap::CommandFactory;
 use clap_mangen::Man;
 
-use crate::files::write_whole;
+use super::save;
 
 /// Print the manual page, or write those of all commands
 #[derive(clap::Args)]
@@ -20,7 +19,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let mut whole = super::Cli::command();
+    let mut whole = super::command();
     // So that pages of commands name the program.
     whole.build();
     let Some(out) = &args.out else {
@@ -33,8 +32,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     for (name, command) in &pages {
         let path = out.join(format!("{name}.1"));
         let text = page(command.clone(), name)?;
-        write_whole(&path, |file| file.write_all(&text))
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        save::text(&path, &String::from_utf8_lossy(&text))?;
     }
     println!("{}: {} pages", out.display(), pages.len());
     Ok(())

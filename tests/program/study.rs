@@ -254,6 +254,25 @@ fn a_full_disk_is_a_clear_error_and_keeps_what_is_done() {
     assert_eq!(parts(&out).len(), 12);
 }
 
+/// A part that is copied would count twice, and the cell under whose name it lies not at all.
+#[test]
+fn a_part_under_the_name_of_another_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let file = quick(folder.path());
+    let out = folder.path().join("out");
+    done(&file, &out, &[]);
+    let all = parts(&out);
+    fs::copy(&all[4], &all[3]).unwrap();
+    let merge = ["study", "merge", text(&out), "--out", text(&folder.path().join("merged"))];
+    for run in [study(&file, &out, &[]), armtwin(&merge)] {
+        assert_eq!(run.code, 1, "{}", run.stdout);
+        let said = run.stderr.contains("cell-000003.parquet: holds cell 4");
+        assert!(said && run.stderr.lines().count() == 1, "{}", run.stderr);
+    }
+    done(&file, &out, &["--cell", "3"]);
+    assert!(done(&file, &out, &[]).contains("12 of 12 cells are there"));
+}
+
 #[test]
 fn wrong_usage_is_refused() {
     let folder = TempDir::new().unwrap();

@@ -7,6 +7,7 @@ use anyhow::Context;
 use rayon::prelude::*;
 
 use super::{on_threads, progress};
+use crate::cli::outputs::Output;
 use crate::cli::save;
 use crate::trials::{Answer, answer, case_folders, write_json};
 
@@ -31,7 +32,7 @@ pub struct Args {
     again: bool,
     /// Write which answers were kept and which failed as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
