@@ -97,7 +97,7 @@ fn filled(
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<Temporary> {
     let temporary = Temporary::beside(path)?;
-    let mut buffer = BufWriter::with_capacity(1 << 16, temporary.file()?);
+    let mut buffer = BufWriter::with_capacity(1 << 16, temporary.file()?.as_file());
     fill(&mut buffer)?;
     buffer.flush()?;
     drop(buffer);

@@ -7,7 +7,7 @@ use anyhow::anyhow;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
-use super::outputs::Output;
+use super::outputs::{self, Output};
 use super::save;
 use crate::effects::{self, CATALOGUE, Effect};
 use crate::report::markdown_table;
@@ -91,7 +91,8 @@ fn measured(
     settings: &Settings,
     keep: Option<&Path>,
 ) -> anyhow::Result<Detectability> {
-    let kept = keep.map(|folder| folder.join(effect.about().name).with_extension("json"));
+    let name = format!("{}.json", effect.about().name);
+    let kept = keep.map(|folder| folder.join(&name));
     let before = kept.as_ref().and_then(|path| fs::read_to_string(path).ok());
     let before = before.and_then(|text| serde_json::from_str::<Detectability>(&text).ok());
     let scenario = Scenario::load(file)?;
@@ -99,6 +100,7 @@ fn measured(
     if let Some(before) = before.filter(same) {
         return Ok(before);
     }
+    keep.map_or(Ok(()), |folder| outputs::ask_in(folder, &[&name]))?;
     let found = detectability(effect, &scenario, &file.display().to_string(), settings)?;
     if let Some(path) = kept {
         path.parent().map_or(Ok(()), fs::create_dir_all)?;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap_mangen::Man;
 
-use super::save;
+use super::{outputs, save};
 
 /// Print the manual page, or write those of all commands
 #[derive(clap::Args)]
@@ -26,9 +26,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         print!("{}", String::from_utf8_lossy(&page(whole, "armtwin")?));
         return Ok(());
     };
-    std::fs::create_dir_all(out).with_context(|| format!("--out {}", out.display()))?;
     let mut pages = vec![("armtwin".to_string(), whole.clone())];
     collect(&whole, "armtwin", &mut pages);
+    let names: Vec<String> = pages.iter().map(|(name, _)| format!("{name}.1")).collect();
+    outputs::ask_in(out, &names)?;
+    std::fs::create_dir_all(out).with_context(|| format!("--out {}", out.display()))?;
     for (name, command) in &pages {
         let path = out.join(format!("{name}.1"));
         let text = page(command.clone(), name)?;

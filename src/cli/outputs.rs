@@ -24,9 +24,7 @@ impl From<OsString> for Output {
 }
 
 impl Output {
-    /// In place of the text.
     pub fn stdout() -> Self {
-        out::leave_to_the_file();
         Self("-".into())
     }
 }
@@ -72,10 +70,12 @@ pub fn ask(command: &Command, matches: &ArgMatches) -> anyhow::Result<()> {
     for (i, path) in outputs.iter().enumerate() {
         let same = |other: &Output| files::guard::resolved(other) == files::guard::resolved(path);
         if !discards(path) && outputs[..i].iter().any(same) {
-            bail!(
-                "{}: two outputs would go there; name another file for one of them",
-                path.display()
-            );
+            let there = if files::is_stdout(path) {
+                "standard output".into()
+            } else {
+                path.display().to_string()
+            };
+            bail!("{there}: two outputs would go there; name another file for one of them");
         }
     }
     if outputs.iter().any(|path| files::is_stdout(path)) {

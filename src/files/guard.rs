@@ -19,10 +19,10 @@ const HEAD: &str = "# Files that armtwin wrote here. It replaces them as long as
 /// Why a file is not written.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Refused {
-    #[error("this command reads it and would destroy it; name another file")]
+    #[error("this command reads it and would destroy it; name another output")]
     Input,
     #[error(
-        "is there already, and not as armtwin wrote it; name another file, or replace it by \
+        "is there already, and not as armtwin wrote it; name another output, or replace it by \
          --overwrite"
     )]
     Foreign,
@@ -88,7 +88,10 @@ pub fn may_write(path: &Path) -> Result<(), Refused> {
 /// Where a name leads: a link stays one, and the file it names is written.
 pub fn resolved(path: &Path) -> PathBuf {
     let dangling = || fs::read_link(path).map(|to| folder_of(path).join(to));
-    fs::canonicalize(path).or_else(|_| dangling()).unwrap_or_else(|_| path.into())
+    let name = path.file_name().unwrap_or_default();
+    let new = || fs::canonicalize(folder_of(path)).map(|folder| folder.join(name));
+    let there = fs::canonicalize(path);
+    there.or_else(|_| dangling()).or_else(|_| new()).unwrap_or_else(|_| path.into())
 }
 
 pub fn folder_of(path: &Path) -> &Path {
@@ -159,4 +162,56 @@ fn write(folder: &Path, all: &[(String, String)]) -> io::Result<()> {
     file.write_all((HEAD.to_string() + &lines.collect::<String>()).as_bytes())?;
     super::make_readable(file.as_file())?;
     file.persist(folder.join(LIST)).map(drop).map_err(|e| e.error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::write_whole;
+
+    fn put(path: &Path, text: &str) -> io::Result<()> {
+        write_whole(path, |out| out.write_all(text.as_bytes()))
+    }
+
+    #[test]
+    fn a_file_is_armtwins_until_somebody_changes_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("twin.toml");
+        put(&file, "one").unwrap();
+        put(&file, "two").unwrap();
+        fs::write(&file, "three").unwrap();
+        assert_eq!(may_write(&file), Err(Refused::Foreign));
+        assert_eq!(put(&file, "four").unwrap_err().kind(), ErrorKind::AlreadyExists);
+        assert_eq!(fs::read_to_string(&file).unwrap(), "three");
+        // What it wrote the last time but one is put back: nobody's work is lost.
+        fs::write(&file, "one").unwrap();
+        put(&file, "five").unwrap();
+        fs::remove_file(folder.path().join(LIST)).unwrap();
+        assert_eq!(may_write(&file), Err(Refused::Foreign));
+    }
+
+    /// Killed after the list was written and before the file took its place.
+    #[test]
+    fn the_list_knows_what_is_there_and_what_comes() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.csv");
+        put(&file, "old").unwrap();
+        list(&file, "f00d".into());
+        assert_eq!(may_write(&file), Ok(()));
+        put(&folder.path().join("b.csv"), "new").unwrap();
+        let names: Vec<String> = listed(folder.path()).into_iter().map(|l| l.0).collect();
+        assert_eq!(names, ["a.csv", "a.csv", "b.csv"]);
+    }
+
+    #[test]
+    fn what_is_read_is_not_written_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let inside = folder.path().join("log.csv");
+        put(&inside, "made here").unwrap();
+        reads(folder.path());
+        assert_eq!(may_write(&folder.path().join("./log.csv")), Err(Refused::Input));
+        assert_eq!(may_write(&folder.path().join("other.csv")), Ok(()));
+        let none = folder.path().join("none");
+        assert_eq!(may_write(&none.join("a.csv")), Err(Refused::NoFolder(none)));
+    }
 }

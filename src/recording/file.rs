@@ -17,6 +17,11 @@ pub fn cannot(path: &Path, action: &'static str) -> impl Fn(io::Error) -> Record
     }
 }
 
+/// What a library says of a file that it could not write.
+pub fn unwritten(path: &Path, why: impl std::fmt::Display) -> RecordingError {
+    cannot(path, "written")(io::Error::other(why.to_string()))
+}
+
 /// Opens a file that must hold something.
 pub fn open(path: &Path) -> Result<File, RecordingError> {
     let file = File::open(path).map_err(cannot(path, "read"))?;

@@ -134,7 +134,9 @@ fn a_saved_twin_moves_with_its_urdf() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     std::fs::create_dir_all(path("here/twins")).unwrap();
     assert_eq!(armtwin(&["urdf", "-o", &path("here/arm.urdf")]).code, 0);
-    std::fs::write(path("fit.csv"), swinging(0.3)).unwrap();
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/ur5_friction.toml");
+    let made = armtwin(&["simulate", scenario, "--out", &path("."), "--duration", "16"]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
     let drive = "[drive]\ngear_ratio = 100\ntorque_constant = 0.1\n";
     std::fs::write(path("twin.toml"), format!("robot = \"here/arm.urdf\"\n{drive}")).unwrap();
     let (fit, twin) = (path("fit.csv"), path("twin.toml"));

@@ -35,7 +35,7 @@ fn results(out: &Path, question: &str) -> Vec<(String, Vec<u8>)> {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let timed = name == "timings.parquet" || question == "cost" && name != "cells.parquet";
-        if path.is_file() && !timed && name != "lock" && name != "study.toml" {
+        if path.is_file() && !timed && !["lock", "study.toml", ".armtwin"].contains(&&*name) {
             found.push((name, fs::read(&path).unwrap()));
         }
     }
@@ -263,7 +263,8 @@ fn a_part_under_the_name_of_another_is_refused() {
     done(&file, &out, &[]);
     let all = parts(&out);
     fs::copy(&all[4], &all[3]).unwrap();
-    let merge = ["study", "merge", text(&out), "--out", text(&folder.path().join("merged"))];
+    let merged = folder.path().join("merged");
+    let merge = ["study", "merge", text(&out), "--out", text(&merged)];
     for run in [study(&file, &out, &[]), armtwin(&merge)] {
         assert_eq!(run.code, 1, "{}", run.stdout);
         let said = run.stderr.contains("cell-000003.parquet: holds cell 4");

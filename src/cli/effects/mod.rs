@@ -5,8 +5,9 @@ mod guide;
 use std::fmt::Write as _;
 
 use super::outputs::Output;
-use super::save;
+use super::{out, save};
 use crate::effects::{About, CATALOGUE, Parameter, Role, Scope, Seen, find, names};
+use crate::files;
 use crate::report::{paragraph, table};
 
 /// List the physical effects the twin can inject and explain
@@ -36,6 +37,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         return Ok(());
     }
     let (effect, json) = args.asked();
+    if json.as_deref().is_some_and(files::is_stdout) {
+        out::leave_to_the_file();
+    }
     println!("{}", effect.map_or_else(|| overview(all()), details));
     match (json, effect) {
         (Some(path), Some(about)) => save::document(&path, about),
