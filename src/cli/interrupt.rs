@@ -4,6 +4,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
+#[cfg(unix)]
+use nix::sys::signal::{SigSet, Signal};
+
 use crate::files;
 
 static FLAG: OnceLock<Arc<AtomicBool>> = OnceLock::new();
@@ -26,10 +29,10 @@ fn is_told() -> bool {
 /// If the system takes no handler.
 #[cfg(unix)]
 pub fn listen() -> anyhow::Result<()> {
-    use nix::sys::signal::{SigSet, Signal, raise};
+    use nix::sys::signal::raise;
 
     let ends = SigSet::from_iter([Signal::SIGINT, Signal::SIGTERM]);
-    (ends | Signal::SIGXFSZ).thread_block()?;
+    blocked().thread_block()?;
     std::thread::spawn(move || {
         while let Ok(signal) = ends.wait() {
             if !is_told() {
@@ -41,6 +44,21 @@ pub fn listen() -> anyhow::Result<()> {
         }
     });
     Ok(())
+}
+
+#[cfg(unix)]
+fn blocked() -> SigSet {
+    SigSet::from_iter([Signal::SIGINT, Signal::SIGTERM, Signal::SIGXFSZ])
+}
+
+/// Starts another program, which inherits what is blocked where it is started.
+pub fn starting<T>(start: impl FnOnce() -> T) -> T {
+    #[cfg(unix)]
+    let open = blocked().thread_unblock();
+    let started = start();
+    #[cfg(unix)]
+    let _ = open.and_then(|()| blocked().thread_block());
+    started
 }
 
 /// # Errors
