@@ -315,7 +315,7 @@ fn a_full_disk_costs_the_file_and_not_the_answer() {
         let said = run.stderr.contains(file) && run.stderr.lines().count() == 1;
         assert!(said && run.stderr.contains("writ"), "{line}: {}", run.stderr);
         let left = files(desk.0.path()).into_iter().map(|(name, _)| name);
-        let is_left = |name: &String| name.ends_with(file) || name.contains("/.tmp");
+        let is_left = |name: &String| *name == format!("/{file}") || name.contains("/.tmp");
         let left: Vec<_> =
             left.map(|name| name.replace(&desk.at(""), "/")).filter(is_left).collect();
         assert!(left.is_empty(), "{line} left {left:?}");
