@@ -107,3 +107,20 @@ fn third_party_types_stay_at_their_edge() {
         }
     }
 }
+
+/// `cli::outputs` asks about these before the work begins, and takes every other file for one to read.
+#[test]
+fn flags_that_name_a_file_to_write_say_so_by_their_type() {
+    let read = ["twin", "names"];
+    for (path, text) in sources("src/cli") {
+        let mut lines = text.lines();
+        while let Some(line) = lines.next() {
+            if code(line).contains("value_name = \"FILE") {
+                let field = lines.find(|l| l.contains(": ")).unwrap_or_default().trim();
+                let name = field.split(':').next().unwrap_or_default();
+                let said = field.contains("Output") || read.contains(&name);
+                assert!(said, "{}: `{field}` is an `Output`, or one of {read:?}", path.display());
+            }
+        }
+    }
+}

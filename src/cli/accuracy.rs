@@ -1,10 +1,10 @@
 //! `armtwin accuracy`: how far the simulated ground truth can be trusted.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use indicatif::ProgressBar;
 
+use super::outputs::Output;
 use super::save;
 use crate::effects::JointLoad;
 use crate::robot::Robot;
@@ -17,10 +17,10 @@ use crate::simulation::{Experiment, Plant, Reference, Scenario, Simulation};
 pub struct Args {
     /// Markdown file to write; left out, standard output
     #[arg(short, long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    out: Option<Output>,
     /// The measurements as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 const SCENARIO: &str = "scenarios/ur5_friction.toml";
@@ -35,17 +35,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     bar.set_message("cost of a step");
     let costs = costs(robot, &made)?;
     bar.finish_and_clear();
+    save::page(args.out.as_deref(), &study.page(&costs))?;
     if let Some(json) = &args.json {
         let all = serde_json::json!({ "study": study, "costs": costs });
         save::json(json, "armtwin.accuracy/1", &all)?;
     }
-    match &args.out {
-        Some(out) => save::text(out, &study.page(&costs)),
-        None => {
-            print!("{}", study.page(&costs));
-            Ok(())
-        }
-    }
+    Ok(())
 }
 
 /// Steps timed together; of many such batches the fastest counts, which others on the machine

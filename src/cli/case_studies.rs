@@ -9,6 +9,7 @@ use anyhow::{Context, bail};
 use indicatif::ProgressBar;
 
 use super::motor_archive::Folder;
+use super::outputs::{self, Output};
 use super::save;
 use crate::case_studies::boxes::{Boxed, boxed};
 use crate::case_studies::figures::{self, Figure};
@@ -52,7 +53,7 @@ pub struct Args {
     no_motor: bool,
     /// The figures for the viewer
     #[arg(long, value_name = "FILE.rrd")]
-    rrd: Option<PathBuf>,
+    rrd: Option<Output>,
     /// Random seed for the searches and chains
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -61,9 +62,10 @@ pub struct Args {
     seeds: u64,
     /// Write every estimate, duel and study as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
+const PAGE: &str = "case-studies.md";
 const SEEDS: u64 = 50;
 const NO_VIEWER: &str =
     "--rrd: this armtwin was built without the viewer; build it with its default features";
@@ -73,9 +75,7 @@ const CHECK: &str = "Movement_No7_Acc_slow_Verify_Model_short";
 const FOLDER: &str = "recordings/kkufieta-ur5_modeling_force_estimate";
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    if args.out.exists() && !args.out.is_dir() {
-        bail!("--out {}: is a file; name a folder", args.out.display());
-    }
+    outputs::ask_in(&args.out, &[PAGE])?;
     if args.rrd.is_some() && cfg!(not(feature = "viewer")) {
         bail!("{NO_VIEWER}");
     }
@@ -230,7 +230,7 @@ fn write(out: &Path, page: &str, all: &[Figure]) -> anyhow::Result<()> {
     for figure in all {
         save::text(&out.join(figure.file()), &figure.svg()?)?;
     }
-    save::text(&out.join("case-studies.md"), page)
+    save::text(&out.join(PAGE), page)
 }
 
 #[cfg(feature = "viewer")]

@@ -1,6 +1,5 @@
 //! `armtwin completions`: what a shell needs to complete commands and flags.
 
-use clap::CommandFactory;
 use clap_complete::Shell;
 
 /// Print the completions of a shell
@@ -16,6 +15,6 @@ pub struct Args {
 
 pub fn run(args: &Args) {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut super::Cli::command(), "armtwin", &mut script);
+    clap_complete::generate(args.shell, &mut super::command(), "armtwin", &mut script);
     print!("{}", String::from_utf8_lossy(&script));
 }

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use anyhow::bail;
 use serde::Serialize;
 
+use super::outputs::Output;
 use super::save;
 use crate::recording::{self, Delimiter, Provenance, WriteOptions};
 
@@ -23,7 +23,7 @@ pub struct Args {
     recording: PathBuf,
     /// File to write: .csv, .csv.gz, .parquet, .mcap or .db3
     #[arg(short, long, value_name = "FILE")]
-    out: PathBuf,
+    out: Output,
     /// Column map (TOML) of a CSV without RTDE names, or of a bag
     #[arg(long, value_name = "MAP")]
     columns: Option<PathBuf>,
@@ -32,7 +32,7 @@ pub struct Args {
     delimiter: Between,
     /// Write what was read and written as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 /// Of `--json`.
@@ -67,10 +67,6 @@ impl From<Between> for Delimiter {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     recording::writer(&args.out)?;
-    let same = |a: &PathBuf, b: &PathBuf| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    if same(&args.recording, &args.out) {
-        bail!("{}: would overwrite the recording; name another output", args.out.display());
-    }
     let recording = recording::read(&args.recording, args.columns.as_deref())?;
     for note in &recording.provenance.notes {
         eprintln!("note: {note}");

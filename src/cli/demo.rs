@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 
+use super::outputs::{self, Output};
 use super::{diagnose, out, save, simulate, view};
 use crate::diagnosis;
 use crate::identification::{
@@ -38,7 +39,7 @@ pub struct Args {
     duration: f64,
     /// Write what was identified, and where the rest is, as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
     /// Open twin.rrd in the viewer
     #[arg(long)]
     view: bool,
@@ -52,6 +53,7 @@ const HIDDEN_VALUES: [(&str, f64); 3] =
     [("ripple_sine", 1.2), ("ripple_cosine", 0.6), ("ripple_order", 36.0)];
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    outputs::ask_in(&args.out, &[&simulate::FILES[..], &diagnose::FILES].concat())?;
     let mut scenario =
         Scenario::parse(include_str!("../../scenarios/ur5_friction.toml"), SCENARIO)?;
     scenario.seed = args.seed;
@@ -67,14 +69,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         scenario.noise.snr_db.unwrap_or(f64::INFINITY)
     );
     let ([fit, check], _) = simulate::simulate(&made, None)?;
-    let truth = Truth::new(&scenario, &made, &fit, &check);
-    simulate::write(&args.out, &fit, &check, &truth)
-        .with_context(|| format!("cannot write into {}", args.out.display()))?;
     println!("2. Identify Eq. 1, rotor inertia and offset on fit.csv, hold them against check.csv");
     let found = Found::new(&made, &fit, &check, args.seed)?;
     found.print(&made);
     println!("\n3. Diagnose what the identified twin lacks\n");
-    diagnosed(found.open(), [fit.recording, check.recording], args)?;
+    let recordings = [&fit, &check].map(|run| run.recording.clone());
+    let done = diagnosed(found.open(), recordings, args.seed)?;
+    let truth = Truth::new(&scenario, &made, &fit, &check);
+    simulate::write(&args.out, &fit, &check, &truth)?;
+    diagnose::write(&done, &args.out)?;
     println!("Everything is in {}:\n{}", args.out.display(), diagnose::written(&args.out));
     if let Some(path) = &args.json {
         let file = |name: &str| args.out.join(name);
@@ -96,14 +99,17 @@ fn hide(scenario: &mut Scenario) {
     scenario.effects.insert(HIDDEN.into(), table.collect());
 }
 
-/// Prints the answer and writes its files.
-fn diagnosed(twin: Twin, recordings: [Recording; 2], args: &Args) -> anyhow::Result<()> {
-    let settings = diagnosis::Settings { seed: args.seed, ..diagnosis::Settings::default() };
+/// Prints the answer.
+fn diagnosed(
+    twin: Twin,
+    recordings: [Recording; 2],
+    seed: u64,
+) -> anyhow::Result<diagnose::Diagnosed> {
+    let settings = diagnosis::Settings { seed, ..diagnosis::Settings::default() };
     let recordings = diagnose::conditioned(recordings, &twin)?;
     let done = diagnose::diagnose(twin, recordings, settings, true)?;
-    diagnose::write(&done, &args.out)?;
     out::page(&diagnose::findings(&done));
-    Ok(())
+    Ok(done)
 }
 
 /// What identification made of the recordings.

@@ -7,6 +7,7 @@ use anyhow::anyhow;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
+use super::outputs::{self, Output};
 use super::save;
 use crate::effects::{self, CATALOGUE, Effect};
 use crate::report::markdown_table;
@@ -40,10 +41,10 @@ pub struct Args {
     keep: Option<PathBuf>,
     /// Markdown file to write; left out, standard output
     #[arg(short, long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    out: Option<Output>,
     /// The measurements as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -63,18 +64,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         .inspect(|_| bar.inc(1))
         .collect::<anyhow::Result<_>>()?;
     bar.finish_and_clear();
+    save::page(args.out.as_deref(), &page(&settings, &measured))?;
     if let Some(path) = &args.json {
         let all = serde_json::json!({ "settings": &settings, "effects": &measured });
         save::json(path, "armtwin.detectability/1", &all)?;
     }
-    let page = page(&settings, &measured);
-    match &args.out {
-        Some(path) => save::text(path, &page),
-        None => {
-            print!("{page}");
-            Ok(())
-        }
-    }
+    Ok(())
 }
 
 fn effect_of(file: &Path) -> anyhow::Result<(&'static dyn Effect, &Path)> {
@@ -96,7 +91,8 @@ fn measured(
     settings: &Settings,
     keep: Option<&Path>,
 ) -> anyhow::Result<Detectability> {
-    let kept = keep.map(|folder| folder.join(effect.about().name).with_extension("json"));
+    let name = format!("{}.json", effect.about().name);
+    let kept = keep.map(|folder| folder.join(&name));
     let before = kept.as_ref().and_then(|path| fs::read_to_string(path).ok());
     let before = before.and_then(|text| serde_json::from_str::<Detectability>(&text).ok());
     let scenario = Scenario::load(file)?;
@@ -104,6 +100,7 @@ fn measured(
     if let Some(before) = before.filter(same) {
         return Ok(before);
     }
+    keep.map_or(Ok(()), |folder| outputs::ask_in(folder, &[&name]))?;
     let found = detectability(effect, &scenario, &file.display().to_string(), settings)?;
     if let Some(path) = kept {
         path.parent().map_or(Ok(()), fs::create_dir_all)?;

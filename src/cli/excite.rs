@@ -1,10 +1,11 @@
 //! `armtwin excite`: a motion within limits that tells what is asked for.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::outputs::Output;
 use super::{out, save};
 use crate::excitation::write::{self, Format};
 use crate::excitation::{Ask, Cuboid, Request, Surroundings, design, page};
@@ -46,7 +47,7 @@ pub struct Args {
     apart: Option<String>,
     /// Write the motion here; may be given several times
     #[arg(short, long, value_name = "FILE", required = true)]
-    out: Vec<PathBuf>,
+    out: Vec<Output>,
     /// Largest distance of a joint from the middle pose, rad
     #[arg(long, value_name = "RAD", default_value_t = 1.0, allow_negative_numbers = true)]
     range: f64,
@@ -93,13 +94,10 @@ pub struct Args {
     study: Option<u64>,
     /// Write what the motion tells, the limits it holds and all settings as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    for path in &args.out {
-        refuse_missing_folder(path)?;
-    }
     if let Some(seeds) = args.study {
         return measure(args, seeds);
     }
@@ -111,18 +109,19 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let bar = progress(args.evaluations as u64);
     let designed = design(&twin, &request, |tried| bar.set_position(tried as u64))?;
     bar.finish_and_clear();
+    out::page(&page(&designed.report));
     write::files(&designed, &args.out)?;
     if let Some(path) = &args.json {
         save::json(path, "armtwin.excitation/1", &json(args, &designed))?;
     }
     let names: Vec<String> = args.out.iter().map(|p| p.display().to_string()).collect();
-    out::page(&format!("{}\n\n{}", names.join(", "), page(&designed.report)));
+    println!("\nThe motion: {}", names.join(", "));
     Ok(())
 }
 
 /// Of every goal by itself.
 fn measure(args: &Args, seeds: u64) -> anyhow::Result<()> {
-    let markdown = |p: &PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("md"));
+    let markdown = |p: &Output| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("md"));
     if let Some(other) = args.out.iter().find(|p| !markdown(p)) {
         bail!("{}: --study writes Markdown; name the file .md", other.display());
     }
@@ -152,11 +151,11 @@ fn measure(args: &Args, seeds: u64) -> anyhow::Result<()> {
         env!("CARGO_PKG_VERSION"),
     );
     all.iter().for_each(|m| text += &format!("\n{}", study::page(m)));
+    print!("{text}");
     args.out.iter().try_for_each(|path| save::text(path, &text))?;
     if let Some(path) = &args.json {
         save::json(path, "armtwin.excitation_study/1", &serde_json::json!({ "goals": all }))?;
     }
-    print!("{text}");
     Ok(())
 }
 
@@ -209,17 +208,6 @@ fn cuboid(text: &str) -> anyhow::Result<Cuboid> {
         lower: [x0.min(x1), y0.min(y1), z0.min(z1)],
         upper: [x0.max(x1), y0.max(y1), z0.max(z1)],
     })
-}
-
-/// Before a search whose result could not be written.
-fn refuse_missing_folder(path: &Path) -> anyhow::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-    match folder {
-        Some(folder) if !folder.is_dir() => {
-            bail!("{}: there is no folder {}; make it first", path.display(), folder.display())
-        }
-        _ => Ok(()),
-    }
 }
 
 fn progress(evaluations: u64) -> ProgressBar {

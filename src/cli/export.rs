@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::outputs::Output;
 use super::save;
 use crate::export::{Target, export};
 
@@ -24,10 +25,10 @@ pub struct Args {
     format: Format,
     /// Write here instead of standard output
     #[arg(short, long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    out: Option<Output>,
     /// Write what the file cannot hold as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -46,17 +47,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     for left in &exported.left {
         eprintln!("note: not in the file: {left}");
     }
+    save::page(args.out.as_deref(), &exported.text)?;
     if let Some(path) = &args.json {
         let all = serde_json::json!({
             "twin": args.twin, "format": target, "out": args.out, "left": exported.left,
         });
         save::json(path, "armtwin.export/1", &all)?;
     }
-    match &args.out {
-        Some(out) => save::text(out, &exported.text),
-        None => {
-            print!("{}", exported.text);
-            Ok(())
-        }
-    }
+    Ok(())
 }

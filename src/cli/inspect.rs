@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::outputs::Output;
 use super::save;
 use crate::recording;
 use crate::recording::inspection::{Inspection, JointMotion, JointSignal, Signal, inspect};
@@ -22,7 +23,7 @@ pub struct Args {
     columns: Option<PathBuf>,
     /// Write the findings as JSON too
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 const WIDTH: usize = 96;
@@ -30,11 +31,8 @@ const WIDTH: usize = 96;
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let recording = recording::read(&args.recording, args.columns.as_deref())?;
     let inspection = inspect(&recording);
-    if let Some(path) = &args.json {
-        save::document(path, &inspection)?;
-    }
     print!("{}", page(&inspection));
-    Ok(())
+    args.json.as_ref().map_or(Ok(()), |path| save::document(path, &inspection))
 }
 
 fn page(inspection: &Inspection) -> String {

@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use clap::CommandFactory;
 use clap_mangen::Man;
 
-use crate::files::write_whole;
+use super::{outputs, save};
 
 /// Print the manual page, or write those of all commands
 #[derive(clap::Args)]
@@ -20,21 +19,22 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let mut whole = super::Cli::command();
+    let mut whole = super::command();
     // So that pages of commands name the program.
     whole.build();
     let Some(out) = &args.out else {
         print!("{}", String::from_utf8_lossy(&page(whole, "armtwin")?));
         return Ok(());
     };
-    std::fs::create_dir_all(out).with_context(|| format!("--out {}", out.display()))?;
     let mut pages = vec![("armtwin".to_string(), whole.clone())];
     collect(&whole, "armtwin", &mut pages);
+    let names: Vec<String> = pages.iter().map(|(name, _)| format!("{name}.1")).collect();
+    outputs::ask_in(out, &names)?;
+    std::fs::create_dir_all(out).with_context(|| format!("--out {}", out.display()))?;
     for (name, command) in &pages {
         let path = out.join(format!("{name}.1"));
         let text = page(command.clone(), name)?;
-        write_whole(&path, |file| file.write_all(&text))
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        save::text(&path, &String::from_utf8_lossy(&text))?;
     }
     println!("{}: {} pages", out.display(), pages.len());
     Ok(())

@@ -22,6 +22,7 @@ mod interrupt;
 mod man;
 mod motor;
 mod motor_archive;
+mod outputs;
 mod progress;
 mod recovery;
 mod robots;
@@ -36,13 +37,16 @@ mod view;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 #[derive(Parser)]
 #[command(name = "armtwin", version, about, arg_required_else_help = true)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Write over files that armtwin did not write, or that were changed since; never over what it reads
+    #[arg(long, global = true)]
+    overwrite: bool,
 }
 
 #[derive(Subcommand)]
@@ -71,9 +75,18 @@ enum Command {
     Urdf(urdf::Args),
 }
 
+/// All commands and flags, as help, manual pages and completions show them.
+fn command() -> clap::Command {
+    outputs::with_json(Cli::command())
+}
+
 /// Runs the program: 0 done, 1 the work could not be done, 2 wrong usage.
 pub fn main() -> ExitCode {
-    match run(Cli::parse()) {
+    let command = command();
+    let matches = command.clone().get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|wrong| wrong.exit());
+    let asked = interrupt::listen().and_then(|()| outputs::ask(&command, &matches));
+    match asked.and_then(|()| run(cli)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");

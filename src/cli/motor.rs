@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::motor_archive::Folder;
+use super::outputs::Output;
 use super::{interrupt, save};
 use crate::motor::dependence::dependence;
 use crate::motor::fit::Tick;
@@ -34,13 +35,13 @@ pub struct Args {
     scenario: Option<PathBuf>,
     /// Write everything as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
     /// Write the tables as a Markdown fragment
     #[arg(long, value_name = "FILE")]
-    markdown: Option<PathBuf>,
+    markdown: Option<Output>,
     /// Write a report with pictures, for any browser
     #[arg(long, value_name = "FILE.html", conflicts_with = "study")]
-    report: Option<PathBuf>,
+    report: Option<Output>,
     /// How to search
     #[arg(long, value_delimiter = ',', default_value = "pso,nlse")]
     method: Vec<MethodName>,
@@ -111,7 +112,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 fn run_studies(scenarios: &[Scenario], args: &Args) -> anyhow::Result<()> {
-    let stop = interrupt::flag()?;
+    let stop = interrupt::flag();
     let folder = args.keep.as_deref().map(Folder::open).transpose()?;
     let archive: &dyn Archive = folder.as_ref().map_or(&(), |f| f);
     let bar = ProgressBar::new(scenarios.len() as u64 * (args.seeds + args.pso_seeds));

@@ -13,9 +13,15 @@ macro_rules! println {
     ($($text:tt)*) => { $crate::cli::out::write(format_args!("{}\n", format_args!($($text)*))) };
 }
 
+static CLOSED: AtomicBool = AtomicBool::new(false);
+
+/// Standard output is a file of the result: no text goes there.
+pub fn leave_to_the_file() {
+    CLOSED.store(true, Ordering::Relaxed);
+}
+
 /// The work goes on when nobody reads: its files are still wanted.
 pub fn write(text: Arguments<'_>) {
-    static CLOSED: AtomicBool = AtomicBool::new(false);
     if CLOSED.load(Ordering::Relaxed) {
         return;
     }

@@ -6,6 +6,7 @@ use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
+use super::outputs::Output;
 use super::save;
 use crate::identification::LEVEL;
 use crate::simulation::Scenario;
@@ -31,10 +32,10 @@ pub struct Args {
     seeds: u64,
     /// Markdown file to write; left out, standard output
     #[arg(short, long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    out: Option<Output>,
     /// Every estimate as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 const BENCHMARK: &str = "scenarios/ur5_friction.toml";
@@ -76,6 +77,7 @@ impl Args {
         trials: &impl serde::Serialize,
         page: &str,
     ) -> anyhow::Result<()> {
+        save::page(self.out.as_deref(), page)?;
         if let Some(path) = &self.json {
             let all = serde_json::json!({
                 "scenario": scenario,
@@ -84,13 +86,7 @@ impl Args {
             });
             save::json(path, "armtwin.recovery/1", &all)?;
         }
-        match &self.out {
-            Some(path) => save::text(path, page),
-            None => {
-                print!("{page}");
-                Ok(())
-            }
-        }
+        Ok(())
     }
 }
 

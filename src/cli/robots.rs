@@ -1,5 +1,7 @@
 //! `armtwin robots`: the built-in arms.
 
+use super::outputs::Output;
+use super::save;
 use crate::report::{paragraph, table};
 use crate::robot::{BUILT_IN, Drive, tables::Table};
 
@@ -8,9 +10,9 @@ use crate::robot::{BUILT_IN, Drive, tables::Table};
 #[command(after_help = "Example: armtwin robots --json\n\n\
     Any other serial arm works from its URDF: robot = \"path/to/arm.urdf\" in a twin.")]
 pub struct Args {
-    /// Print JSON instead of a table
-    #[arg(long)]
-    json: bool,
+    /// Write the list as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<Output>,
 }
 
 /// One line of the list; m, kg.
@@ -27,10 +29,6 @@ struct Entry {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let entries: Vec<Entry> = BUILT_IN.iter().map(|t| entry(t)).collect();
-    if args.json {
-        println!("{}", serde_json::to_string_pretty(&entries)?);
-        return Ok(());
-    }
     let rows = entries.iter().map(|e| {
         vec![
             e.name.into(),
@@ -45,7 +43,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     for e in &entries {
         print!("{}", paragraph(&format!("  {:<16}", e.name), e.source));
     }
-    Ok(())
+    args.json.as_ref().map_or(Ok(()), |path| save::document(path, &entries))
 }
 
 fn entry(table: &Table) -> Entry {

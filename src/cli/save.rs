@@ -12,6 +12,17 @@ pub fn text(path: &Path, text: &str) -> anyhow::Result<()> {
         .with_context(|| format!("cannot write {}", path.display()))
 }
 
+/// The text that is a command's result: into the file that was asked for, else to standard output.
+pub fn page(path: Option<&Path>, page: &str) -> anyhow::Result<()> {
+    match path {
+        Some(path) => text(path, page),
+        None => {
+            print!("{page}");
+            Ok(())
+        }
+    }
+}
+
 /// What `--json FILE` asks for: `content` under its schema and the program's version.
 pub fn json(path: &Path, schema: &'static str, content: &impl Serialize) -> anyhow::Result<()> {
     document(path, &Document { schema, version: env!("CARGO_PKG_VERSION"), content })

@@ -4,11 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 
+use super::outputs::{self, Output};
 use super::stream::{Deliveries, Link, StreamArgs};
 use super::{interrupt, out, progress, save};
-use crate::files::write_whole;
 use crate::recording::{self, WriteOptions};
 use crate::simulation::{Command, Experiment, Run, Scenario, Simulation, Truth};
 
@@ -18,8 +18,8 @@ use crate::simulation::{Command, Experiment, Run, Scenario, Simulation, Truth};
 
 Writes friction/fit.csv and friction/check.csv (RTDE names, two different motions, the same hidden
 effects; other formats by --format) and friction/truth.json (every effect and value, noise,
-settings, versions). The folder is made if need be; files of these three names in it are replaced,
-others left alone. Nothing is written before all of it is simulated. The same scenario and seed give
+settings, versions). The folder is made if need be; files of these three names in it are replaced
+if armtwin wrote them, others left alone. Nothing is written before all of it is simulated. The same scenario and seed give
 the same bytes.
 
   armtwin simulate scenarios/ur5_friction.toml --out friction --stream
@@ -45,7 +45,7 @@ pub struct Args {
     live: StreamArgs,
     /// Write which files were made, and how long the recordings are, as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -70,12 +70,17 @@ impl Written {
             Written::Db3 => "db3",
         }
     }
+
+    fn files(self) -> [String; 3] {
+        FILES.map(|name| name.replace("csv", self.extension()))
+    }
 }
 
+/// As a folder of recordings usually has them.
+pub(super) const FILES: [&str; 3] = ["fit.csv", "check.csv", "truth.json"];
+
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    if args.out.exists() && !args.out.is_dir() {
-        bail!("--out {}: is a file; name a folder", args.out.display());
-    }
+    outputs::ask_in(&args.out, &args.format.files())?;
     let mut scenario = Scenario::load(&args.scenario)?;
     scenario.seed = args.seed.unwrap_or(scenario.seed);
     if let Some(duration_s) = args.duration {
@@ -87,8 +92,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let link = args.live.open()?;
     let ([fit, check], sent) = simulate(&made, link.as_ref()).with_context(|| file)?;
     let truth = Truth::new(&scenario, &made, &fit, &check);
-    write_as(args.format, &args.out, &fit, &check, &truth)
-        .with_context(|| format!("cannot write into {}", args.out.display()))?;
+    write_as(args.format, &args.out, &fit, &check, &truth)?;
     let (fit, check) = (fit.recording.time.len(), check.recording.time.len());
     let out = args.out.display();
     let e = args.format.extension();
@@ -111,7 +115,7 @@ pub(super) fn simulate(
     made: &Experiment,
     link: Option<&Link>,
 ) -> anyhow::Result<([Run; 2], Deliveries)> {
-    let stop = interrupt::flag()?;
+    let stop = interrupt::flag();
     let mut simulation = Simulation::new(&made.setup)?;
     let bar = progress::simulating(made.fit.duration() + made.check.duration());
     let mut sent = Deliveries::default();
@@ -148,14 +152,10 @@ fn write_as(
     check: &Run,
     truth: &Truth<'_>,
 ) -> anyhow::Result<()> {
-    fs::create_dir_all(out)?;
-    for (name, run) in [("fit", fit), ("check", check)] {
-        let file = out.join(format!("{name}.{}", format.extension()));
+    fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
+    let [fit_file, check_file, truth_file] = format.files().map(|name| out.join(name));
+    for (file, run) in [(fit_file, fit), (check_file, check)] {
         recording::write(&run.recording, &file, &WriteOptions::default())?;
     }
-    write_whole(&out.join("truth.json"), |file| {
-        serde_json::to_writer_pretty(&mut *file, truth)?;
-        writeln!(file)
-    })?;
-    Ok(())
+    save::document(&truth_file, truth)
 }

@@ -8,6 +8,7 @@ use anyhow::{Context, bail};
 use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::outputs::{self, Output};
 use super::save;
 use crate::report::html::study_report;
 use crate::studies::StudyError;
@@ -43,7 +44,7 @@ pub struct Args {
     cell: Option<usize>,
     /// Write how many cells there are, were made now, and how fast, as JSON
     #[arg(long, value_name = "FILE", conflicts_with = "cell")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
     #[command(subcommand)]
     after: Option<After>,
 }
@@ -61,7 +62,7 @@ enum After {
         out: PathBuf,
         /// Write what is joined, and in which files, as JSON
         #[arg(long, value_name = "FILE")]
-        json: Option<PathBuf>,
+        json: Option<Output>,
     },
     /// Draw the plots and write the summary of a finished study again
     #[command(after_help = "Example: armtwin study report identification")]
@@ -71,16 +72,21 @@ enum After {
         dir: PathBuf,
         /// Write what is summed up, and in which files, as JSON
         #[arg(long, value_name = "FILE")]
-        json: Option<PathBuf>,
+        json: Option<Output>,
     },
 }
+
+/// Of every study, pictures apart; the tables come first.
+const FILES: [&str; 4] = ["cells.parquet", "timings.parquet", "summary.md", "report.html"];
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     match (&args.after, &args.study, &args.out) {
         (Some(After::Merge { dirs, out, json }), ..) => {
+            outputs::ask_in(out, &FILES)?;
             finish(out, &sweep::merge(dirs, out)?, json.as_deref())
         }
         (Some(After::Report { dir, json }), ..) => {
+            outputs::ask_in(dir, &FILES[2..])?;
             finish(dir, &sweep::tables(dir)?, json.as_deref())
         }
         (None, Some(file), Some(out)) => cells(args, file, out),
@@ -94,6 +100,7 @@ fn cells(args: &Args, file: &Path, out: &Path) -> anyhow::Result<()> {
     if let Some(number) = args.cell {
         return alone(&study, &text, number, out);
     }
+    outputs::ask_in(out, &FILES)?;
     let store = Store::open(out, &study, &text)?;
     let finished = store.finished()?;
     let mine = args.shard.unwrap_or(Shard { number: 1, of: 1 }).blocks(&study);

@@ -1,9 +1,8 @@
 //! `armtwin urdf`: the URDF of an arm alone.
 
-use std::path::PathBuf;
-
 use serde::Serialize;
 
+use super::outputs::Output;
 use super::{out, save};
 use crate::robot::{self, Chain, Loaded, urdf};
 
@@ -31,10 +30,10 @@ pub struct Args {
     tip: Option<String>,
     /// Write here instead of standard output
     #[arg(short, long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    out: Option<Output>,
     /// Write the arm's joints, limits and masses as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 /// Of `--json`.
@@ -72,17 +71,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let chain = Chain { base: args.base.clone(), tip: args.tip.clone() };
     let loaded = robot::load(&args.robot, &chain)?;
     out::notes(&args.robot, &loaded.notes);
-    let text = urdf::write(&loaded.robot);
+    save::page(args.out.as_deref(), &urdf::write(&loaded.robot))?;
     if let Some(path) = &args.json {
         save::json(path, "armtwin.arm/1", &arm(&loaded))?;
     }
-    match &args.out {
-        Some(out) => save::text(out, &text),
-        None => {
-            print!("{text}");
-            Ok(())
-        }
-    }
+    Ok(())
 }
 
 fn arm(loaded: &Loaded) -> Arm<'_> {

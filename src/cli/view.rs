@@ -6,6 +6,8 @@ use std::time::Duration;
 
 use anyhow::{Context, bail};
 
+use super::interrupt;
+
 /// Names the viewer where it is not on PATH.
 const VARIABLE: &str = "ARMTWIN_RERUN";
 /// Without a display it ends at once.
@@ -19,19 +21,15 @@ pub fn open(file: &Path) -> anyhow::Result<()> {
         );
     }
     let viewer = std::env::var(VARIABLE).unwrap_or_else(|_| "rerun".into());
-    let mut running = Command::new(&viewer)
-        .arg(file)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .with_context(|| {
-            format!(
-                "--view: cannot start {viewer:?}; get the viewer by `pip install \
+    let mut start = Command::new(&viewer);
+    start.arg(file).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut running = interrupt::starting(|| start.spawn()).with_context(|| {
+        format!(
+            "--view: cannot start {viewer:?}; get the viewer by `pip install \
                  rerun-sdk==0.36.3` or name it in {VARIABLE}, then: rerun {}",
-                file.display()
-            )
-        })?;
+            file.display()
+        )
+    })?;
     std::thread::sleep(STARTS_WITHIN);
     match running.try_wait()? {
         Some(status) if !status.success() => {

@@ -1,5 +1,6 @@
 //! Files of recordings on the disk, with the messages people get.
 
+use std::error::Error;
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -15,6 +16,11 @@ pub fn cannot(path: &Path, action: &'static str) -> impl Fn(io::Error) -> Record
         }
         _ => RecordingError::Io { file: file.clone(), action, source },
     }
+}
+
+/// What a library says of a file that it could not write.
+pub fn unwritten(path: &Path, why: impl Into<Box<dyn Error + Send + Sync>>) -> RecordingError {
+    cannot(path, "written")(io::Error::other(why))
 }
 
 /// Opens a file that must hold something.

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::{
     ColumnMap, Delimiter, Recording, RecordingError, bag, movement_folder, parquet_file, rtde_csv,
 };
+use crate::files::{guard, is_stream};
 
 /// Contract of a file format.
 pub trait Format: Sync {
@@ -44,6 +45,9 @@ pub fn read(path: &Path, columns: Option<&Path>) -> Result<Recording, RecordingE
     if !path.exists() {
         return Err(RecordingError::NotFound { file: path.display().to_string() });
     }
+    if path.is_dir() {
+        guard::reads(path);
+    }
     for format in FORMATS {
         if format.reads(path) {
             return format.read(path, map.as_ref());
@@ -52,11 +56,13 @@ pub fn read(path: &Path, columns: Option<&Path>) -> Result<Recording, RecordingE
     Err(unknown_extension(path))
 }
 
-/// The format that writes under the name of `path`; checked before work begins.
+/// The format that writes under the name of `path`, CSV into what has none, such as a pipe; checked before
+/// work begins.
 pub fn writer(path: &Path) -> Result<&'static dyn Format, RecordingError> {
     let name = path.to_string_lossy().to_lowercase();
     let fits = |f: &&dyn Format| f.extensions().iter().any(|e| name.ends_with(e));
-    FORMATS.iter().copied().find(fits).ok_or_else(|| unknown_extension(path))
+    let stream: Option<&dyn Format> = if is_stream(path) { Some(&rtde_csv::RtdeCsv) } else { None };
+    FORMATS.iter().copied().find(fits).or(stream).ok_or_else(|| unknown_extension(path))
 }
 
 /// Writes a recording in the format its file name ends in; whole or not at all.

@@ -17,7 +17,7 @@ use parquet::file::properties::WriterProperties;
 
 use super::check::refuse_bad;
 use super::columns::Column;
-use super::file::{open, replace};
+use super::file::{open, replace, unwritten};
 use super::format::{Format, WriteOptions};
 use super::guard::guarded;
 use super::rtde_csv::TIME;
@@ -52,7 +52,7 @@ impl Format for Parquet {
         path: &Path,
         _: &WriteOptions,
     ) -> Result<(), RecordingError> {
-        replace(path, |file, _| write(recording, file).map_err(|e| damaged(path, e.to_string())))
+        replace(path, |file, _| write(recording, file).map_err(|e| unwritten(path, e)))
     }
 }
 

@@ -11,6 +11,7 @@ use super::text::{Layout, Text};
 use super::{
     Channel, ColumnMap, Delimiter, Provenance, Recording, RecordingError, mapped_csv, table,
 };
+use crate::files::{write_own, write_whole};
 
 pub const TIME: &str = "timestamp";
 
@@ -42,7 +43,9 @@ impl Format for RtdeCsv {
         path: &Path,
         options: &WriteOptions,
     ) -> Result<(), RecordingError> {
-        write(recording, path, options.delimiter.unwrap_or(Delimiter::Comma))
+        let delimiter = options.delimiter.unwrap_or(Delimiter::Comma);
+        write_whole(path, |out| write(recording, path, delimiter, out))
+            .map_err(cannot(path, "written"))
     }
 }
 
@@ -82,23 +85,25 @@ fn read(path: &Path) -> Result<Recording, RecordingError> {
     Ok(recording)
 }
 
-/// Writes comma-separated RTDE CSV, time first, gzip where the name ends in `.gz`. Every number is
-/// the shortest that reads back as the same bits.
+/// Writes comma-separated RTDE CSV, time first, gzip where the name ends in `.gz`, into a folder that is
+/// the caller's own. Every number is the shortest that reads back as the same bits.
 pub fn write_csv(recording: &Recording, path: &Path) -> Result<(), RecordingError> {
-    write(recording, path, Delimiter::Comma)
+    let filled = |out: &mut dyn Write| write(recording, path, Delimiter::Comma, out);
+    write_own(path, filled).map_err(cannot(path, "written"))
 }
 
-fn write(recording: &Recording, path: &Path, delimiter: Delimiter) -> Result<(), RecordingError> {
-    let gzip = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
-    crate::files::write_whole(path, |out| {
-        if !gzip {
-            return write_rows(recording, delimiter, out);
-        }
-        let mut packer = flate2::write::GzEncoder::new(out, flate2::Compression::default());
-        write_rows(recording, delimiter, &mut io::BufWriter::new(&mut packer))?;
-        packer.finish().map(drop)
-    })
-    .map_err(cannot(path, "written"))
+fn write(
+    recording: &Recording,
+    path: &Path,
+    delimiter: Delimiter,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("gz")) {
+        return write_rows(recording, delimiter, out);
+    }
+    let mut packer = flate2::write::GzEncoder::new(out, flate2::Compression::default());
+    write_rows(recording, delimiter, &mut io::BufWriter::new(&mut packer))?;
+    packer.finish().map(drop)
 }
 
 fn write_rows(recording: &Recording, delimiter: Delimiter, out: &mut dyn Write) -> io::Result<()> {

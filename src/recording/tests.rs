@@ -340,7 +340,7 @@ fn parquet_keeps_every_bit_and_the_source() {
     write(&before, &path, &WriteOptions::default()).unwrap();
     let after = read(&path, None).unwrap();
     assert_eq!((&after.time, &after.channels), (&before.time, &before.channels));
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "the file and the list");
     let map = "time = 'timestamp'\ntime_scale = 0.5\n[channels]\n\
                actual_q = { columns = ['actual_q_1', 2], scale = -2 }\n";
     let map = file(folder.path(), "map.toml", map);

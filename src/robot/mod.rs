@@ -39,6 +39,7 @@ pub fn load(name_or_path: &str, chain: &Chain) -> Result<Loaded, RobotError> {
     let path = std::path::Path::new(name_or_path);
     let looks_like_path = path.extension().is_some() || path.components().count() > 1;
     if looks_like_path || path.exists() {
+        crate::files::guard::reads(path);
         return urdf::read_file(path, chain);
     }
     let names: Vec<_> = BUILT_IN.iter().map(|t| t.name).collect();

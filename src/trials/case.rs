@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::TrialError;
 use crate::diagnosis::Settings;
-use crate::files::write_whole;
+use crate::files::write_own;
 
 pub const FIT: &str = "fit.csv.gz";
 pub const CHECK: &str = "check.csv.gz";
@@ -62,6 +62,15 @@ pub fn case_folders(dir: &Path) -> Result<Vec<PathBuf>, TrialError> {
     }
 }
 
+/// Makes the folder of a case, which must be new: nothing in it is written over.
+///
+/// # Errors
+/// If it is there or cannot be made.
+pub fn new_folder(folder: &Path) -> Result<(), TrialError> {
+    let made = folder.parent().map_or(Ok(()), fs::create_dir_all);
+    made.and_then(|()| fs::create_dir(folder)).map_err(TrialError::io(folder, "made"))
+}
+
 /// Writes what the answerer is told.
 ///
 /// # Errors
@@ -75,5 +84,5 @@ pub fn write_settings(folder: &Path, settings: &Settings) -> Result<(), TrialErr
 /// # Errors
 /// If it cannot be written.
 pub fn write_text(file: &Path, text: &str) -> Result<(), TrialError> {
-    write_whole(file, |out| out.write_all(text.as_bytes())).map_err(TrialError::io(file, "written"))
+    write_own(file, |out| out.write_all(text.as_bytes())).map_err(TrialError::io(file, "written"))
 }

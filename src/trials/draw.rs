@@ -1,6 +1,5 @@
 //! Cases made in rapier, their labels sealed.
 
-use std::fs;
 use std::path::Path;
 
 use rand::SeedableRng;
@@ -8,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::case::{CHECK, FIT, TWIN, case_name, write_settings, write_text};
+use super::case::{CHECK, FIT, TWIN, case_name, new_folder, write_settings, write_text};
 use super::hide::Hiding;
 use super::nuisance::{CENTRE_ERROR_M, MASS_ERROR, replace};
 use super::plan::{Plan, plans};
@@ -133,7 +132,7 @@ fn write(
     out: &Path,
 ) -> Result<(), TrialError> {
     let folder = out.join(name);
-    fs::create_dir_all(&folder).map_err(TrialError::io(&folder, "made"))?;
+    new_folder(&folder)?;
     for (run, file, number) in [(fit, FIT, 0), (check, CHECK, 1)] {
         write_csv(&shown(run, hiding, number), &folder.join(file))?;
     }

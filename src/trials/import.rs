@@ -7,7 +7,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::case::{CHECK, FIT, TWIN, case_folders, write_settings};
+use super::case::{CHECK, FIT, TWIN, case_folders, new_folder, write_settings};
 use super::truth::{SCHEMA, place, seen};
 use super::{Hidden, Kind, Seals, Strength, TrialError, Truth, seal};
 use crate::diagnosis::Settings;
@@ -84,7 +84,7 @@ pub fn import(
     for folder in case_folders(from)? {
         let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let to = out.join(&name);
-        fs::create_dir_all(&to).map_err(TrialError::io(&to, "made"))?;
+        new_folder(&to)?;
         copy(&folder.join(&names.fit), &to.join(FIT))?;
         copy(&folder.join(&names.check), &to.join(CHECK))?;
         copy(&twin_file, &to.join(TWIN))?;
@@ -97,8 +97,7 @@ pub fn import(
 
 fn copy(from: &Path, to: &Path) -> Result<(), TrialError> {
     let bytes = fs::read(from).map_err(TrialError::io(from, "read"))?;
-    crate::files::write_whole(to, |out| out.write_all(&bytes))
-        .map_err(TrialError::io(to, "written"))
+    crate::files::write_own(to, |out| out.write_all(&bytes)).map_err(TrialError::io(to, "written"))
 }
 
 fn truth(case: &str, file: &Path, names: &Names, dof: usize) -> Result<Truth, TrialError> {

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::{TrialError, Truth};
-use crate::files::write_whole;
+use crate::files::{write_own, write_whole};
 
 const SCHEMA: &str = "armtwin.seals/1";
 const FOLDER: &str = "sealed";
@@ -49,7 +50,8 @@ pub fn make_folder(dir: &Path) -> Result<(), TrialError> {
 /// # Errors
 /// If it cannot be written.
 pub fn write_truth(dir: &Path, truth: &Truth) -> Result<(), TrialError> {
-    write_json(&sealed_file(dir, &format!("{}.json", truth.case)), truth)
+    let file = sealed_file(dir, &format!("{}.json", truth.case));
+    write_own(&file, |out| pretty(truth, out)).map_err(TrialError::io(&file, "written"))
 }
 
 /// Hashes everything in `sealed/` and publishes the hashes.
@@ -121,9 +123,10 @@ fn read(file: &Path) -> Result<Vec<u8>, TrialError> {
 
 /// Pretty JSON, whole or not at all.
 pub fn write_json(file: &Path, value: &impl Serialize) -> Result<(), TrialError> {
-    write_whole(file, |out| {
-        serde_json::to_writer_pretty(&mut *out, value)?;
-        writeln!(out)
-    })
-    .map_err(TrialError::io(file, "written"))
+    write_whole(file, |out| pretty(value, out)).map_err(TrialError::io(file, "written"))
+}
+
+fn pretty(value: &impl Serialize, out: &mut dyn io::Write) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *out, value)?;
+    writeln!(out)
 }

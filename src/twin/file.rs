@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::Twin;
-use super::parts::{DriveTable, PerJoint, read_robot};
+use super::parts::{DriveTable, PerJoint, named_from, read_robot};
 use crate::effects::{self, Parameter, Scope};
 use crate::files::write_whole;
 use crate::robot::{Chain, RobotError};
@@ -106,12 +106,20 @@ impl Twin {
         toml::to_string(&contents).unwrap_or_default()
     }
 
-    /// Writes `to_toml` under `path`, whole or not at all.
+    /// The same for a file at `path`, which names a URDF from its own folder: both can be moved together.
+    pub fn to_toml_at(&self, path: &Path) -> String {
+        match named_from(&self.source, path) {
+            Some(source) => Self { source, ..self.clone() }.to_toml(),
+            None => self.to_toml(),
+        }
+    }
+
+    /// Writes [`Twin::to_toml_at`] under `path`, whole or not at all.
     ///
     /// # Errors
     /// If the file cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), TwinError> {
-        write_whole(path, |out| out.write_all(self.to_toml().as_bytes()))
+        write_whole(path, |out| out.write_all(self.to_toml_at(path).as_bytes()))
             .map_err(|source| TwinError::Write { file: path.into(), source })
     }
 }

@@ -1,9 +1,11 @@
 //! What twin and scenario files have in common: the arm, its `[drive]`, values per joint.
 
-use std::path::Path;
+use std::io;
+use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::files::guard::folder_of;
 use crate::robot::{self, Chain, Drive, Loaded, RobotError};
 
 /// `5.0` or `[5.0, 6.0, 4.5, 1.2, 1.4, 1.2]`, base to wrist.
@@ -72,11 +74,31 @@ impl DriveTable {
 pub fn read_robot(name: &str, chain: &Chain, file: &Path) -> Result<(String, Loaded), RobotError> {
     let beside = file.parent().unwrap_or(Path::new("")).join(name);
     let source = match robot::builtin(name) {
-        None if beside.exists() => {
-            std::path::absolute(&beside).unwrap_or(beside).display().to_string()
-        }
+        None if beside.exists() => in_real_folder(&beside).unwrap_or(beside).display().to_string(),
         _ => name.to_string(),
     };
     let loaded = robot::load(&source, chain)?;
     Ok((source, loaded))
+}
+
+/// The URDF at `source` as a file at `path` names it. `None` for a built-in arm, and where they share no
+/// folder that could be moved with both in it.
+pub fn named_from(source: &str, path: &Path) -> Option<String> {
+    let urdf = in_real_folder(Path::new(source)).ok().filter(|urdf| urdf.is_file())?;
+    let folder = folder_of(path).canonicalize().ok()?;
+    let both = urdf.components().zip(folder.components()).take_while(|(a, b)| a == b);
+    let shared: Vec<Component<'_>> = both.map(|(a, _)| a).collect();
+    if robot::builtin(source).is_some() || !matches!(shared.last(), Some(Component::Normal(_))) {
+        return None;
+    }
+    let up = folder.components().skip(shared.len()).map(|_| Component::ParentDir);
+    let name: PathBuf = up.chain(urdf.components().skip(shared.len())).collect();
+    let name = name.display().to_string();
+    // The file, not the arm of that name.
+    Some(if robot::builtin(&name).is_some() { format!("./{name}") } else { name })
+}
+
+/// Absolute, without links among its folders.
+fn in_real_folder(file: &Path) -> io::Result<PathBuf> {
+    Ok(folder_of(file).canonicalize()?.join(file.file_name().unwrap_or_default()))
 }

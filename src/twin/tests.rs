@@ -97,6 +97,28 @@ fn a_urdf_counts_from_the_folder_of_the_twin() {
     assert_eq!(Twin::load(&saved).unwrap(), twin);
 }
 
+#[test]
+fn a_saved_twin_names_its_urdf_from_its_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("twins")).unwrap();
+    let urdf = crate::robot::urdf::write(&Twin::default().robot);
+    for (arm, beside, below) in
+        [("arm.urdf", "arm.urdf", "../arm.urdf"), ("ur5", "./ur5", "../ur5")]
+    {
+        let source = folder.path().join(arm);
+        std::fs::write(&source, &urdf).unwrap();
+        let twin = Twin { source: source.display().to_string(), ..Twin::default() };
+        for (file, name) in [("a.toml", beside), ("twins/a.toml", below)] {
+            let text = twin.to_toml_at(&folder.path().join(file));
+            assert!(text.contains(&format!("robot = {name:?}")), "{text}");
+        }
+        // Nothing that could be moved holds both.
+        let apart = twin.to_toml_at(Path::new("/proc/a.toml"));
+        assert!(apart.contains(&format!("robot = {:?}", twin.source)), "{apart}");
+    }
+    assert!(Twin::default().to_toml_at(&folder.path().join("a.toml")).contains("robot = \"ur5\""));
+}
+
 /// A chain of a URDF: read by its keys, kept with the notes when saved, and refused by key.
 #[test]
 fn an_arm_inside_a_larger_robot_is_named_by_base_and_tip() {

@@ -127,6 +127,35 @@ fn a_saved_twin_holds_the_fitted_values_and_seeds_repeat() {
     assert_eq!(again.code, 0, "{}", again.stderr);
 }
 
+/// The folder that holds both may go anywhere.
+#[test]
+fn a_saved_twin_moves_with_its_urdf() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    std::fs::create_dir_all(path("here/twins")).unwrap();
+    assert_eq!(armtwin(&["urdf", "-o", &path("here/arm.urdf")]).code, 0);
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/ur5_friction.toml");
+    let made = armtwin(&["simulate", scenario, "--out", &path("."), "--duration", "16"]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let drive = "[drive]\ngear_ratio = 100\ntorque_constant = 0.1\n";
+    std::fs::write(path("twin.toml"), format!("robot = \"here/arm.urdf\"\n{drive}")).unwrap();
+    let (fit, twin) = (path("fit.csv"), path("twin.toml"));
+    let save = ["--save-twin", &path("here/twins/fitted.toml")];
+    let run =
+        armtwin(&[&["identify", &fit, "--twin", &twin, "--method", "nlse"], &save[..]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let out = ["--twin", &twin, "--out", &path("here/diagnosis"), "--no-simulation"];
+    let run = armtwin(&[&["diagnose", "--fit", &fit], &out[..]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    std::fs::rename(path("here"), path("there")).unwrap();
+    for saved in ["there/twins/fitted.toml", "there/diagnosis/twin.toml"] {
+        let text = std::fs::read_to_string(path(saved)).unwrap();
+        assert!(text.contains("robot = \"../arm.urdf\""), "{text}");
+        let run = armtwin(&["export", "--twin", &path(saved), "--format", "urdf"]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+    }
+}
+
 #[test]
 fn the_report_shows_torque_and_what_is_left() {
     let folder = tempfile::tempdir().unwrap();

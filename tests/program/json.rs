@@ -115,9 +115,40 @@ fn every_command_has_it() {
         let alone = (command != "trial").then(|| vec![command.as_str()]);
         for arguments in below.chain(alone) {
             let help = armtwin(&[&arguments[..], &["--help"]].concat()).stdout;
-            assert!(help.contains("--json"), "{arguments:?} has no --json");
+            assert!(help.contains("--json [<FILE>]"), "{arguments:?} has no --json");
         }
     }
+}
+
+/// Without a file it is all that standard output has, and the same as in a file.
+#[test]
+fn without_a_file_it_goes_to_standard_output() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
+    let bag = format!("{ROOT}/tests/bags/shuffled.mcap");
+    for arguments in [
+        &["inspect", &bag][..],
+        &["convert", &bag, "-o", &at("a.csv")],
+        &["urdf", "--robot", "ur5e"],
+        &["robots"],
+        &["effects"],
+        &["effects", "stribeck"],
+    ] {
+        let run = |more: &[&str]| {
+            let run = armtwin(&[arguments, more].concat());
+            assert_eq!(run.code, 0, "{arguments:?}: {}", run.stderr);
+            run.stdout
+        };
+        let (bare, dash) = (run(&["--json"]), run(&["--json", "-"]));
+        let text = run(&["--json", &at("out.json")]);
+        let file = std::fs::read_to_string(at("out.json")).unwrap();
+        assert!(bare == file && dash == file, "{arguments:?}: {bare}");
+        assert!(serde_json::from_str::<Value>(&file).is_ok(), "{arguments:?}: {file}");
+        assert_eq!(text, run(&[]), "{arguments:?}");
+    }
+    let named = armtwin(&["effects", "--json", "stribeck"]).stdout;
+    assert_eq!(named, armtwin(&["effects", "stribeck", "--json"]).stdout);
+    assert_eq!(armtwin(&["inspect", "--json", &bag]).code, 2, "the bag is no place to write to");
 }
 
 #[test]

@@ -19,6 +19,7 @@ mod located;
 mod mcmc;
 mod motor;
 mod mujoco;
+mod outputs;
 #[cfg(feature = "viewer")]
 mod picture;
 mod readme;

@@ -109,7 +109,8 @@ fn a_study_takes_up_where_it_was_left() {
 }
 
 fn files_in(folder: &Path) -> usize {
-    fs::read_dir(folder).map_or(0, Iterator::count)
+    let names = fs::read_dir(folder).into_iter().flatten().map(|f| f.unwrap().file_name());
+    names.filter(|name| name.to_string_lossy().ends_with(".toml")).count()
 }
 
 #[test]

@@ -207,7 +207,9 @@ fn a_bad_column_map_or_output_name_is_refused() {
     refused(folder, &log, &["--columns", text(&map)], &["map.toml", "tyme"]);
     let none = folder.join("none.toml");
     refused(folder, &log, &["--columns", text(&none)], &["none.toml: no such file"]);
-    for (name, part) in [("out.xlsx", ".parquet, .csv, .csv.gz"), ("log.csv", "would overwrite")] {
+    for (name, part) in
+        [("out.xlsx", ".parquet, .csv, .csv.gz"), ("log.csv", "this command reads it")]
+    {
         let out = armtwin(&["convert", text(&log), "-o", text(&folder.join(name))]);
         assert_eq!(out.code, 1);
         assert!(out.stderr.contains(name) && out.stderr.contains(part), "{}", out.stderr);

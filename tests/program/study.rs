@@ -35,7 +35,7 @@ fn results(out: &Path, question: &str) -> Vec<(String, Vec<u8>)> {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let timed = name == "timings.parquet" || question == "cost" && name != "cells.parquet";
-        if path.is_file() && !timed && name != "lock" && name != "study.toml" {
+        if path.is_file() && !timed && !["lock", "study.toml", ".armtwin"].contains(&&*name) {
             found.push((name, fs::read(&path).unwrap()));
         }
     }
@@ -252,6 +252,26 @@ fn a_full_disk_is_a_clear_error_and_keeps_what_is_done() {
     assert_eq!(parts(&out), kept);
     done(&file, &out, &[]);
     assert_eq!(parts(&out).len(), 12);
+}
+
+/// A part that is copied would count twice, and the cell under whose name it lies not at all.
+#[test]
+fn a_part_under_the_name_of_another_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let file = quick(folder.path());
+    let out = folder.path().join("out");
+    done(&file, &out, &[]);
+    let all = parts(&out);
+    fs::copy(&all[4], &all[3]).unwrap();
+    let merged = folder.path().join("merged");
+    let merge = ["study", "merge", text(&out), "--out", text(&merged)];
+    for run in [study(&file, &out, &[]), armtwin(&merge)] {
+        assert_eq!(run.code, 1, "{}", run.stdout);
+        let said = run.stderr.contains("cell-000003.parquet: holds cell 4");
+        assert!(said && run.stderr.lines().count() == 1, "{}", run.stderr);
+    }
+    done(&file, &out, &["--cell", "3"]);
+    assert!(done(&file, &out, &[]).contains("12 of 12 cells are there"));
 }
 
 #[test]

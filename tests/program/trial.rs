@@ -29,7 +29,7 @@ fn answer(cases: &Path, out: &Path) -> String {
     run.stdout
 }
 
-/// Every file below a folder with its bytes, in order.
+/// Every file below a folder with its bytes, in order; not the lists of what armtwin wrote.
 fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = Vec::new();
     let mut open = vec![folder.to_path_buf()];
@@ -45,6 +45,7 @@ fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
             }
         }
     }
+    found.retain(|(name, _)| !name.ends_with(".armtwin"));
     found.sort();
     found
 }
@@ -126,13 +127,14 @@ fn criteria_are_moved_one_by_one_and_their_answers_kept() {
     let at = |name: &str| text(&folder.path().join(name)).to_string();
     let few = ["draw", "--cases", "1", "--only", "single,current_offset", "--duration", "8"];
     assert_eq!(trial(&[&few[..], &["--out", &at("cases")]].concat()).code, 0);
-    let criteria = || {
+    let criteria = |more: &[&str]| {
         let files = ["--page", &at("page.md"), "--json", &at("c.json")];
-        let run = trial(&[&["criteria", &at("cases"), "--out", &at("out")], &files[..]].concat());
+        let command = ["criteria", &at("cases"), "--out", &at("out")];
+        let run = trial(&[&command, &files[..], more].concat());
         let read = |name: &str| fs::read_to_string(at(name)).unwrap_or_default();
         (run, read("page.md"), serde_json::from_str(&read("c.json")).unwrap_or_default())
     };
-    let (run, page, rows): (_, _, serde_json::Value) = criteria();
+    let (run, page, rows): (_, _, serde_json::Value) = criteria(&[]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     answer(&folder.path().join("cases"), &folder.path().join("plain"));
     let plain = files(&folder.path().join("plain"));
@@ -152,7 +154,11 @@ fn criteria_are_moved_one_by_one_and_their_answers_kept() {
     fs::remove_file(at("out/base/case-0000.json")).unwrap();
     let other = at("out/least_nats-up/case-0000.json");
     fs::copy(at("out/least_nats-down/case-0000.json"), &other).unwrap();
-    let (run, again, resumed) = criteria();
+    // The copy is somebody's.
+    let (run, ..) = criteria(&[]);
+    assert!(run.code == 1 && run.stderr.contains("--overwrite"), "{}", run.stderr);
+    let _ = fs::remove_file(at("out/base/case-0000.json"));
+    let (run, again, resumed) = criteria(&["--overwrite"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert_eq!(resumed["kept"], moved.len() - 2);
     assert!(again == page && resumed["rows"] == rows["rows"], "answers do not repeat");
@@ -160,7 +166,7 @@ fn criteria_are_moved_one_by_one_and_their_answers_kept() {
     fs::remove_file(at("page.md")).unwrap();
     let sealed = folder.path().join("cases/sealed/case-0000.json");
     fs::write(&sealed, fs::read_to_string(&sealed).unwrap() + " ").unwrap();
-    let (run, page, _) = criteria();
+    let (run, page, _) = criteria(&[]);
     assert!(run.code == 1 && run.stderr.contains("the seal is broken"), "{}", run.stderr);
     assert!(page.is_empty());
 }

@@ -12,6 +12,7 @@ mod summary;
 use std::path::PathBuf;
 
 use super::conditioning::ConditioningArgs;
+use super::outputs::Output;
 use super::stream::StreamArgs;
 #[cfg(feature = "viewer")]
 use super::{save, view};
@@ -40,10 +41,10 @@ pub struct Args {
     columns: Option<PathBuf>,
     /// File to write
     #[arg(short, long, value_name = "FILE.rrd", default_value = "compare.rrd")]
-    out: PathBuf,
+    out: Output,
     /// Write the table, the twin's values and all settings as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
     /// Open the file in the viewer
     #[arg(long)]
     view: bool,

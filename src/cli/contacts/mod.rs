@@ -11,6 +11,7 @@ use anyhow::Context;
 
 use self::arm::{Arm, Source};
 use super::conditioning::ConditioningArgs;
+use super::outputs::Output;
 use super::save;
 use crate::external_wrench::Criteria;
 
@@ -50,14 +51,14 @@ pub struct Args {
     at_flange: bool,
     /// Write the contacts, with their forces over time, as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
     /// Search the recordings of real arms in this folder, and hold what is found against what is
     /// known of them
     #[arg(long, value_name = "DIR", conflicts_with_all = ["recording", "fit", "free", "twin"])]
     validate: Option<PathBuf>,
     /// Markdown file for --validate to write; left out, standard output
     #[arg(short, long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    out: Option<Output>,
     #[command(flatten)]
     conditioning: ConditioningArgs,
 }
@@ -77,10 +78,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let free: Vec<Source> = fit.into_iter().chain(free).collect();
     let criteria = Criteria { at_flange: args.at_flange, ..Criteria::default() };
     let found = arm.contacts(&recording, &free, &criteria)?;
+    print!("{}", page::page(&found));
     if let Some(path) = &args.json {
         let all = serde_json::json!({ "criteria": &criteria, "contacts": &found });
         save::json(path, "armtwin.contacts/1", &all)?;
     }
-    print!("{}", page::page(&found));
     Ok(())
 }

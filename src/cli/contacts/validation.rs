@@ -42,17 +42,11 @@ pub fn run(folder: &Path, out: Option<&Path>, json: Option<&Path>) -> anyhow::Re
     bar.enable_steady_tick(std::time::Duration::from_millis(100));
     let measured = measured(folder, &|what| bar.set_message(what.to_string()))?;
     bar.finish_and_clear();
+    save::page(out, &tables::page(&measured))?;
     if let Some(path) = json {
         save::json(path, "armtwin.contacts-validation/1", &measured)?;
     }
-    let page = tables::page(&measured);
-    match out {
-        Some(path) => save::text(path, &page),
-        None => {
-            print!("{page}");
-            Ok(())
-        }
-    }
+    Ok(())
 }
 
 fn measured(folder: &Path, tell: &dyn Fn(&str)) -> anyhow::Result<Measured> {

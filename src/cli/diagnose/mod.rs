@@ -15,10 +15,11 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 
 use self::load::Recorded;
 use super::conditioning::ConditioningArgs;
+use super::outputs::{self, Output};
 use super::{out, progress, view};
 use crate::diagnosis::{self, Diagnosis, Settings, Traces, mend};
 use crate::effects;
@@ -80,12 +81,12 @@ pub struct Args {
     full: bool,
     /// Write everything as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
     #[command(flatten)]
     conditioning: ConditioningArgs,
 }
 
-pub(super) use self::output::{write, written};
+pub(super) use self::output::{FILES, write, written};
 
 /// Both recordings, conditioned as a diagnosis usually has them.
 pub(super) fn conditioned(
@@ -118,34 +119,22 @@ pub(super) struct Diagnosed {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let settings = args.settings()?;
+    args.out.as_ref().map_or(Ok(()), |out| outputs::ask_in(out, &FILES))?;
     let twin = super::twin::load(args.twin.as_deref())?;
     let recordings = load::condition(args.recordings()?, &twin, &args.conditioning)?;
-    // Made before the work, which would be lost where it cannot be made.
-    let fresh = args.out.as_ref().filter(|out| !out.exists());
-    if let Some(out) = &args.out {
-        std::fs::create_dir_all(out)
-            .with_context(|| format!("--out {}: cannot be made", out.display()))?;
-    }
-    let mut done = diagnose(twin, recordings, settings, !args.no_simulation).inspect_err(|_| {
-        // Only an empty folder is removed.
-        fresh.map(std::fs::remove_dir);
-    })?;
+    let mut done = diagnose(twin, recordings, settings, !args.no_simulation)?;
     let next = &mut done.diagnosis.next_experiment;
     *next = next.replace(diagnosis::TWIN, &args.twin_as_given());
-    if let Some(out) = &args.out {
-        output::write(&done, out)?;
-    }
     out::page(&if args.full { page::page(&done) } else { brief::page(&done) });
     if let Some(out) = &args.out {
-        println!("\n{}", output::written(out));
-        if args.view {
-            view::open(&out.join("twin.rrd"))?;
-        }
+        write(&done, out)?;
+        println!("\n{}", written(out));
     }
-    if let Some(path) = &args.json {
-        output::json(&done, path).with_context(|| format!("--json {}", path.display()))?;
+    args.json.as_ref().map_or(Ok(()), |path| output::json(&done, path))?;
+    match &args.out {
+        Some(out) if args.view => view::open(&out.join("twin.rrd")),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// Searches on the first recording, decides on the second, mends the twin and moves both twins

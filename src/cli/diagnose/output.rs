@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::Diagnosed;
 use super::page::facts;
+use crate::cli::save;
 use crate::diagnosis::{Diagnosis, Settings, words};
-use crate::files::write_whole;
 use crate::recording::Provenance;
 use crate::report::html::{DiagnosisReport, diagnosis_report};
 use crate::signals::Conditioning;
@@ -53,13 +53,14 @@ pub fn written(out: &Path) -> String {
     )
 }
 
-/// `out` exists.
+/// What [`write`] makes.
+pub const FILES: [&str; 4] = ["diagnosis.json", "report.html", "twin.rrd", "twin.toml"];
+
+/// Into the folder `out`, which is made if need be.
 pub fn write(done: &Diagnosed, out: &Path) -> anyhow::Result<()> {
-    let name = |file: &str| format!("cannot write {}", out.join(file).display());
-    json(done, &out.join("diagnosis.json")).with_context(|| name("diagnosis.json"))?;
-    let report = report(done)?;
-    write_whole(&out.join("report.html"), |file| file.write_all(report.as_bytes()))
-        .with_context(|| name("report.html"))?;
+    std::fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
+    json(done, &out.join("diagnosis.json"))?;
+    save::text(&out.join("report.html"), &report(done)?)?;
     #[cfg(feature = "viewer")]
     crate::viewer::write_rrd(&super::scene::scene(done), &out.join("twin.rrd"))?;
     Ok(done.mended.save(&out.join("twin.toml"))?)
@@ -101,7 +102,5 @@ pub fn json(done: &Diagnosed, path: &Path) -> anyhow::Result<()> {
         mended_twin: done.mended.to_toml(),
         seconds: done.seconds,
     };
-    let text = serde_json::to_string_pretty(&document)?;
-    write_whole(path, |out| writeln!(out, "{text}"))?;
-    Ok(())
+    save::document(path, &document)
 }

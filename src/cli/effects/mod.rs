@@ -4,7 +4,10 @@ mod guide;
 
 use std::fmt::Write as _;
 
+use super::outputs::Output;
+use super::{out, save};
 use crate::effects::{About, CATALOGUE, Parameter, Role, Scope, Seen, find, names};
+use crate::files;
 use crate::report::{paragraph, table};
 
 /// List the physical effects the twin can inject and explain
@@ -19,9 +22,9 @@ pub struct Args {
     /// Show one effect in full
     #[arg(value_name = "NAME", value_parser = about)]
     effect: Option<&'static About>,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    /// Write everything as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<Output>,
     /// Print the user's guide to all effects
     #[arg(long, conflicts_with_all = ["effect", "json"])]
     guide: bool,
@@ -33,14 +36,27 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         print!("{}", guide::chapter());
         return Ok(());
     }
-    let text = match (args.effect, args.json) {
-        (Some(about), true) => serde_json::to_string_pretty(about)?,
-        (None, true) => serde_json::to_string_pretty(&all().collect::<Vec<_>>())?,
-        (Some(about), false) => details(about),
-        (None, false) => overview(all()),
-    };
-    println!("{text}");
-    Ok(())
+    let (effect, json) = args.asked();
+    if json.as_deref().is_some_and(files::is_stdout) {
+        out::leave_to_the_file();
+    }
+    println!("{}", effect.map_or_else(|| overview(all()), details));
+    match (json, effect) {
+        (Some(path), Some(about)) => save::document(&path, about),
+        (Some(path), None) => save::document(&path, &all().collect::<Vec<_>>()),
+        (None, _) => Ok(()),
+    }
+}
+
+impl Args {
+    /// `--json NAME` names an effect, not a file.
+    fn asked(&self) -> (Option<&'static About>, Option<Output>) {
+        let file = self.json.as_ref().filter(|_| self.effect.is_none()).and_then(|f| f.to_str());
+        match file.and_then(find) {
+            Some(effect) => (Some(effect.about()), Some(Output::stdout())),
+            None => (self.effect, self.json.clone()),
+        }
+    }
 }
 
 fn about(name: &str) -> Result<&'static About, String> {

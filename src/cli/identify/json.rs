@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use anyhow::Context;
 use serde::Serialize;
 
 use super::Report;
 use super::inertia::Summary;
-use crate::files::write_whole;
+use crate::cli::save;
 use crate::identification::{self, Dropped, Located, MethodResult, Settings, TorqueScale};
 use crate::recording::Provenance;
 use crate::signals::Conditioning;
@@ -99,7 +98,5 @@ pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
         links_spread: report.links_spread,
         inertia: report.rigid_body,
     };
-    let text = serde_json::to_string_pretty(&document)?;
-    write_whole(path, |out| writeln!(out, "{text}"))
-        .with_context(|| format!("--json {}: cannot be written", path.display()))
+    save::document(path, &document)
 }

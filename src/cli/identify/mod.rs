@@ -15,6 +15,7 @@ use inertia::Summary;
 use scale::{LoadArgs, Scaled};
 
 use super::conditioning::ConditioningArgs;
+use super::outputs::Output;
 use super::save;
 use crate::diagnosis;
 use crate::identification::{
@@ -79,16 +80,16 @@ pub struct Args {
     cost: CostArg,
     /// Write everything as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
     /// Write a report with pictures, for any browser
     #[arg(long, value_name = "FILE.html")]
-    report: Option<PathBuf>,
+    report: Option<Output>,
     /// Write the twin with the fitted values (NLSE's where both ran)
     #[arg(long, value_name = "FILE")]
-    save_twin: Option<PathBuf>,
+    save_twin: Option<Output>,
     /// With inertia: write the arm with the links found
     #[arg(long, value_name = "FILE.urdf")]
-    save_urdf: Option<PathBuf>,
+    save_urdf: Option<Output>,
     /// With inertia: mass of all moving links where it is known, kg
     #[arg(long, value_name = "KG", allow_hyphen_values = true)]
     total_mass: Option<f64>,
@@ -369,7 +370,10 @@ fn fitted<'a>(report: &Report<'a>) -> Result<Option<(Twin, &'a str)>, Identifica
         let mut twin = identification::fitted_twin(&found.twin, report.terms, problem, result)?;
         if let Some(urdf) = &report.args.save_urdf {
             // The arm alone, as it is written there.
-            twin.source = std::path::absolute(urdf).unwrap_or(urdf.clone()).display().to_string();
+            twin.source = std::path::absolute(urdf)
+                .unwrap_or_else(|_| urdf.to_path_buf())
+                .display()
+                .to_string();
             (twin.chain, twin.notes) = (Chain::default(), Vec::new());
         }
         return Ok(Some((twin, &found.fitted.method)));

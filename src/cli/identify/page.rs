@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use anyhow::Context;
-
 use super::{Loaded, Report, fitted, links, print, scale};
+use crate::cli::save;
 use crate::effects::{Scope, find};
-use crate::files::write_whole;
 use crate::identification;
 use crate::report::html::{Fact, IdentificationReport, JointCurves, identification_report};
 use crate::signals::Samples;
@@ -30,8 +28,7 @@ pub fn write(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
         facts: &facts(report),
         files: &files,
     });
-    write_whole(path, |out| out.write_all(html.as_bytes()))
-        .with_context(|| format!("--report {}", path.display()))
+    save::text(path, &html)
 }
 
 fn found(report: &Report<'_>) -> Vec<String> {

@@ -113,7 +113,7 @@ impl Deliveries {
 }
 
 fn serve_on(server: Server) -> anyhow::Result<()> {
-    let stop = interrupt::flag()?;
+    let stop = interrupt::flag();
     eprintln!("done; still serving, Ctrl-C ends it");
     while !stop.load(Ordering::Relaxed) {
         std::thread::sleep(Duration::from_millis(50));

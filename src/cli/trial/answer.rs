@@ -7,6 +7,7 @@ use anyhow::Context;
 use rayon::prelude::*;
 
 use super::{on_threads, progress};
+use crate::cli::outputs::{self, Output};
 use crate::cli::save;
 use crate::trials::{Answer, answer, case_folders, write_json};
 
@@ -31,7 +32,7 @@ pub struct Args {
     again: bool,
     /// Write which answers were kept and which failed as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -81,6 +82,7 @@ fn answered(folder: &Path, out: &Path, again: bool) -> anyhow::Result<Done> {
     if !again && Answer::kept(&file, folder).is_some() {
         return Ok(Done { case: name, kept: true, failed: None, unreadable: false });
     }
+    outputs::ask_in(out, &[format!("{name}.json")])?;
     // One case that cannot be read is no reason to leave the others.
     let (failed, unreadable) = match answer(folder) {
         Ok(answer) => {

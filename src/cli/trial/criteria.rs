@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use super::{named, on_threads, progress};
+use crate::cli::outputs::Output;
 use crate::cli::{interrupt, save};
 use crate::trials::{CriteriaTrial, Row, Work, criteria_page};
 
@@ -25,7 +26,7 @@ pub struct Args {
     out: PathBuf,
     /// Markdown file to write; left out, standard output
     #[arg(long, value_name = "FILE")]
-    page: Option<PathBuf>,
+    page: Option<Output>,
     /// Cases at a time [default: one per core]
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
@@ -37,12 +38,12 @@ pub struct Args {
     again: bool,
     /// Write every row, and which cases differ in it, as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let trial = CriteriaTrial::open(&args.cases, args.limit.map(NonZeroUsize::get))?;
-    let stop = interrupt::flag()?;
+    let stop = interrupt::flag();
     let bar = progress(trial.answers(), "answer");
     let work =
         Work { again: args.again, go_on: &|| !stop.load(Ordering::Relaxed), tick: &|| bar.inc(1) };
@@ -55,21 +56,18 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 fn write(args: &Args, trial: &CriteriaTrial, kept: usize, rows: &[Row]) -> anyhow::Result<()> {
+    let page = criteria_page(&command(args), &trial.made, trial.cases(), rows);
+    save::page(args.page.as_deref(), &page)?;
+    if let Some(path) = &args.page {
+        let (out, all) = (args.out.display(), trial.answers());
+        println!("{out}: {all} answers, {kept} of them kept; {}", path.display());
+    }
     if let Some(path) = &args.json {
         let all = serde_json::json!({
             "cases": args.cases, "out": args.out, "answers": trial.answers(), "kept": kept,
             "rows": rows,
         });
         save::json(path, "armtwin.criteria/1", &all)?;
-    }
-    let page = criteria_page(&command(args), &trial.made, trial.cases(), rows);
-    match &args.page {
-        Some(path) => {
-            save::text(path, &page)?;
-            let (out, all) = (args.out.display(), trial.answers());
-            println!("{out}: {all} answers, {kept} of them kept; {}", path.display());
-        }
-        None => print!("{page}"),
     }
     Ok(())
 }

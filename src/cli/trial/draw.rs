@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use super::{on_threads, progress};
+use crate::cli::outputs::Output;
 use crate::cli::save;
 use crate::diagnosis::Settings;
 use crate::trials::{Draw, DrawOn, Names, Seals, Sources, draw, draw_on, import};
@@ -74,7 +75,7 @@ pub struct Args {
     centre_error: Option<f64>,
     /// Write how many cases were drawn, and how, as JSON; no labels
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {

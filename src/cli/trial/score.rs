@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::bail;
 
 use super::named;
+use crate::cli::outputs::Output;
 use crate::cli::save;
 use crate::trials::{Chapter, Seals, goals, page, score};
 
@@ -20,10 +21,10 @@ pub struct Args {
     folders: Vec<PathBuf>,
     /// Markdown file to write; left out, standard output
     #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    out: Option<Output>,
     /// Every judgement as JSON
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<Output>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -36,6 +37,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let made = Seals::load(cases)?.made;
         chapters.push(Chapter { title: named(cases), made, cases: score(cases, answers)? });
     }
+    save::page(args.out.as_deref(), &page(&command(args), &chapters))?;
     if let Some(path) = &args.json {
         let trials: Vec<_> = chapters
             .iter()
@@ -47,14 +49,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             .collect();
         save::json(path, "armtwin.score/1", &serde_json::json!({ "trials": trials }))?;
     }
-    let page = page(&command(args), &chapters);
-    match &args.out {
-        Some(path) => save::text(path, &page),
-        None => {
-            print!("{page}");
-            Ok(())
-        }
-    }
+    Ok(())
 }
 
 /// As it would be typed, folders by their names.

@@ -11,7 +11,7 @@ use mcap::{Compression, McapError};
 
 use super::message::definition;
 use super::topics::Topics;
-use super::{Outgoing, bad, cannot};
+use super::{Outgoing, bad, cannot, unwritten};
 use crate::recording::RecordingError;
 
 const BYTES_PER_READ: usize = 1 << 18;
@@ -82,7 +82,7 @@ fn broken(error: McapError, path: &Path, topics: &Topics) -> RecordingError {
 
 /// Writes messages in the order given; `file` is a new file.
 pub fn write(bag: &Outgoing, file: File, path: &Path) -> Result<(), RecordingError> {
-    let wrong = |e: McapError| bad(&path.display().to_string(), e.to_string(), "write elsewhere");
+    let wrong = |e: McapError| unwritten(path, e);
     let options = mcap::WriteOptions::new()
         .compression(Some(Compression::Zstd))
         .profile("ros2")

@@ -22,7 +22,7 @@ pub use map::{BagMap, Effort};
 use outgoing::Outgoing;
 
 use super::check::refuse_bad;
-use super::file::{cannot, open, replace};
+use super::file::{cannot, open, replace, unwritten};
 use super::format::{Format, WriteOptions};
 use super::{Channel, ColumnMap, Provenance, Recording, RecordingError};
 use joints::Sampled;
@@ -71,7 +71,9 @@ impl Format for RosBag {
     ) -> Result<(), RecordingError> {
         let bag = Outgoing::new(recording, path)?;
         replace(path, |file, new| match path.extension() {
-            Some(e) if e.eq_ignore_ascii_case("db3") => sqlite_file::write(&bag, new),
+            Some(e) if e.eq_ignore_ascii_case("db3") => {
+                sqlite_file::write(&bag, new).map_err(|e| unwritten(path, e))
+            }
             _ => mcap_file::write(&bag, file, path),
         })
     }

@@ -93,27 +93,24 @@ const TABLES: &str = "
     CREATE INDEX timestamp_idx ON messages (timestamp ASC);";
 
 /// Writes a bag into the empty file `path`.
-pub fn write(bag: &Outgoing, path: &Path) -> Result<(), RecordingError> {
-    let written = || -> rusqlite::Result<()> {
-        let mut database = Connection::open(path)?;
-        database.pragma_update(None, "journal_mode", "OFF")?;
-        let all = database.transaction()?;
-        all.execute_batch(TABLES)?;
-        for (number, (topic, kind)) in bag.topics().enumerate() {
-            let insert = "INSERT INTO topics VALUES (?1, ?2, ?3, 'cdr', '')";
-            all.execute(insert, params![number as i64 + 1, topic, kind])?;
-        }
-        {
-            let insert = "INSERT INTO messages (topic_id, timestamp, data) VALUES (?1, ?2, ?3)";
-            let mut insert = all.prepare(insert)?;
-            for sample in 0..bag.samples() {
-                for topic in 0..bag.topics().count() {
-                    let message = bag.message(topic, sample);
-                    insert.execute(params![topic as i64 + 1, bag.stamp(sample), message])?;
-                }
+pub fn write(bag: &Outgoing, path: &Path) -> rusqlite::Result<()> {
+    let mut database = Connection::open(path)?;
+    database.pragma_update(None, "journal_mode", "OFF")?;
+    let all = database.transaction()?;
+    all.execute_batch(TABLES)?;
+    for (number, (topic, kind)) in bag.topics().enumerate() {
+        let insert = "INSERT INTO topics VALUES (?1, ?2, ?3, 'cdr', '')";
+        all.execute(insert, params![number as i64 + 1, topic, kind])?;
+    }
+    {
+        let insert = "INSERT INTO messages (topic_id, timestamp, data) VALUES (?1, ?2, ?3)";
+        let mut insert = all.prepare(insert)?;
+        for sample in 0..bag.samples() {
+            for topic in 0..bag.topics().count() {
+                let message = bag.message(topic, sample);
+                insert.execute(params![topic as i64 + 1, bag.stamp(sample), message])?;
             }
         }
-        all.commit()
-    };
-    written().map_err(|e| bad(&path.display().to_string(), e.to_string(), "write elsewhere"))
+    }
+    all.commit()
 }

@@ -19,7 +19,7 @@ use parquet::file::properties::WriterProperties;
 use sha2::{Digest, Sha256};
 
 use super::table::{Column, Table};
-use crate::files::write_whole;
+use crate::files::{write_own, write_whole};
 use crate::studies::StudyError;
 
 /// Length of the footer (u32, little endian) and "PAR1": how every Parquet file ends.
@@ -32,9 +32,22 @@ const DIGEST: usize = 32;
 /// # Errors
 /// If the file cannot be written whole.
 pub fn write(path: &Path, table: &Table, notes: &[(&str, String)]) -> Result<(), StudyError> {
+    let bytes = bytes(path, table, notes)?;
+    write_whole(path, |out| out.write_all(&bytes)).map_err(StudyError::io(path, "written"))
+}
+
+/// The same in a folder whose owner knows what lies there.
+///
+/// # Errors
+/// As [`write`].
+pub fn keep(path: &Path, table: &Table, notes: &[(&str, String)]) -> Result<(), StudyError> {
+    let bytes = bytes(path, table, notes)?;
+    write_own(path, |out| out.write_all(&bytes)).map_err(StudyError::io(path, "written"))
+}
+
+fn bytes(path: &Path, table: &Table, notes: &[(&str, String)]) -> Result<Vec<u8>, StudyError> {
     let bytes = encoded(table, notes).map_err(|e| StudyError::file(path, e))?;
-    let sealed = sealed(&bytes).ok_or_else(|| StudyError::file(path, "no footer was made"))?;
-    write_whole(path, |out| out.write_all(&sealed)).map_err(StudyError::io(path, "written"))
+    sealed(&bytes).ok_or_else(|| StudyError::file(path, "no footer was made"))
 }
 
 fn encoded(table: &Table, notes: &[(&str, String)]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {

@@ -23,6 +23,7 @@ const TIMINGS: &str = "timings.parquet";
 /// Notes in a part.
 const DIGEST: &str = "armtwin.study";
 const SPENT: &str = "armtwin.spent";
+const CELL: &str = "armtwin.cell";
 
 /// One of several shares of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,8 +105,8 @@ impl Store {
     /// If it cannot be written whole; then nothing is left of it.
     pub fn keep(&self, number: usize, part: &Part) -> Result<(), StudyError> {
         let spent = serde_json::to_string(&part.spent).unwrap_or_default();
-        let notes = [(DIGEST, self.digest.clone()), (SPENT, spent)];
-        parquet_file::write(&self.part(number), &part.table, &notes)
+        let notes = [(DIGEST, self.digest.clone()), (CELL, number.to_string()), (SPENT, spent)];
+        parquet_file::keep(&self.part(number), &part.table, &notes)
     }
 
     /// Finished cells, every one read and found whole.
@@ -114,8 +115,8 @@ impl Store {
     /// If some are damaged; the message says which and that the others are kept.
     pub fn finished(&self) -> Result<BTreeMap<usize, PathBuf>, StudyError> {
         let found = parts_in(&self.dir)?;
-        let check = |path: &PathBuf| read(path, &self.digest).err();
-        let bad: Vec<StudyError> = found.values().filter_map(check).collect();
+        let check = |(number, path): (&usize, &PathBuf)| read(path, *number, &self.digest).err();
+        let bad: Vec<StudyError> = found.iter().filter_map(check).collect();
         match bad.first() {
             None => Ok(found),
             Some(first) => {
@@ -132,7 +133,7 @@ impl Store {
     /// # Errors
     /// If it is not there or damaged.
     pub fn spent(&self, number: usize) -> Result<Spent, StudyError> {
-        Ok(read(&self.part(number), &self.digest)?.spent)
+        Ok(read(&self.part(number), number, &self.digest)?.spent)
     }
 
     /// Joins the finished cells to `cells.parquet` and `timings.parquet`.
@@ -162,10 +163,10 @@ pub fn merge(dirs: &[PathBuf], out: &Path) -> Result<(Study, [Table; 2]), StudyE
         }
         let digest = study.digest();
         for (number, path) in parts_in(dir)? {
-            let part = read(&path, &digest)?;
+            let part = read(&path, number, &digest)?;
             let before = all.insert(number, path.clone());
             let differs = |other: &PathBuf| -> Result<bool, StudyError> {
-                Ok(read(other, &digest)?.table.bytes() != part.table.bytes())
+                Ok(read(other, number, &digest)?.table.bytes() != part.table.bytes())
             };
             if let Some(other) = before.filter(|other| *other != path)
                 && differs(&other)?
@@ -230,11 +231,20 @@ fn parts_in(dir: &Path) -> Result<BTreeMap<usize, PathBuf>, StudyError> {
     Ok(paths.filter_map(|path| Some((number(&path)?, path))).collect())
 }
 
-fn read(path: &Path, digest: &str) -> Result<Part, StudyError> {
+/// The part of cell `number`, and of no other under its name.
+fn read(path: &Path, number: usize, digest: &str) -> Result<Part, StudyError> {
     let (table, notes) = parquet_file::read(path)?;
     let note = |key: &str| notes.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str());
     if note(DIGEST) != Some(digest) {
         let why = "was made by another study or version of armtwin: name another folder";
+        return Err(StudyError::file(path, why));
+    }
+    let row = || table.wholes("cell").first().map(|cell| *cell as usize);
+    let cell = note(CELL).and_then(|text| text.parse().ok()).or_else(row).unwrap_or(number);
+    if cell != number {
+        let why = format!(
+            "holds cell {cell}, as if it were cell {number}: remove this file and run the cell again"
+        );
         return Err(StudyError::file(path, why));
     }
     let spent = note(SPENT).and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
@@ -250,7 +260,7 @@ fn join(
     let mut cells = Table::default();
     let mut timings: Vec<Row> = Vec::new();
     for (number, path) in parts {
-        let part = read(path, digest)?;
+        let part = read(path, *number, digest)?;
         cells.append(&part.table)?;
         timings.push(timing(*number, &part.spent));
     }

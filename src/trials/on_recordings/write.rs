@@ -1,6 +1,5 @@
 //! A planned case as files.
 
-use std::fs;
 use std::path::Path;
 
 use super::plan::Plan;
@@ -9,7 +8,7 @@ use super::size::Graft;
 use super::{Ground, Planned, graft};
 use crate::effects::{Parameter, Scope};
 use crate::recording::{Recording, write_csv};
-use crate::trials::case::{CHECK, FIT, TWIN, write_settings, write_text};
+use crate::trials::case::{CHECK, FIT, TWIN, new_folder, write_settings, write_text};
 use crate::trials::truth::{SCHEMA, place};
 use crate::trials::{Hidden, Kind, TrialError, TrueValue, Truth, seal};
 
@@ -20,11 +19,12 @@ impl Planned<'_> {
     /// If a file cannot be written.
     pub fn write(&self, plan: &Plan, graft: Option<&Graft>, out: &Path) -> Result<(), TrialError> {
         let folder = out.join(plan.name());
-        fs::create_dir_all(&folder).map_err(TrialError::io(&folder, "made"))?;
+        new_folder(&folder)?;
         for (i, (ground, file)) in self.pair(plan).into_iter().zip([FIT, CHECK]).enumerate() {
             write_csv(&self.recording(ground, graft, i == 0), &folder.join(file))?;
         }
-        write_text(&folder.join(TWIN), &self.twin.to_toml())?;
+        let twin = folder.join(TWIN);
+        write_text(&twin, &self.twin.to_toml_at(&twin))?;
         write_settings(&folder, &self.how.settings)?;
         seal::write_truth(out, &self.truth(plan, graft))
     }
