@@ -35,6 +35,17 @@ pub struct Process {
     pub white_nm: f64,
 }
 
+/// Torque is measured no finer, N.m: that of a simulation without noise has a spread too.
+const FINEST_NM: f64 = 1e-6;
+
+impl Process {
+    /// `white` is the white part over the spread.
+    fn new(spread_nm: f64, lasting_s: f64, white: f64) -> Self {
+        let spread_nm = spread_nm.max(FINEST_NM);
+        Self { spread_nm, lasting_s, white_nm: white * spread_nm }
+    }
+}
+
 /// All joints, base to wrist.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Noise {
@@ -73,7 +84,7 @@ impl Noise {
         let held = |j: usize| {
             let holds = all.iter().flat_map(|r| r.left.holds.joint(j));
             let holds_nm = holds.copied().fold(0.0, f64::max);
-            Process { spread_nm: UNIFORM * holds_nm, lasting_s: HELD_S, white_nm: 0.1 * holds_nm }
+            Process::new(UNIFORM * holds_nm, HELD_S, 0.1 / UNIFORM)
         };
         let at_least_held = |friction: Friction| {
             let one = |j: usize| {
@@ -116,10 +127,7 @@ fn process(heard: &Heard<'_>, joint: usize, friction: Friction) -> Option<Proces
     let typical = median(sizes) / MEDIAN_SIZE;
     let all = SCALES.iter().flat_map(|scale| {
         LASTING_S.iter().flat_map(move |&lasting_s| {
-            WHITE.iter().map(move |white| {
-                let spread_nm = (scale * typical).max(f64::MIN_POSITIVE);
-                Process { spread_nm, lasting_s, white_nm: white * spread_nm }
-            })
+            WHITE.iter().map(move |white| Process::new(scale * typical, lasting_s, *white))
         })
     });
     let likelihood = |p: &Process| likelihood(&picked, p, heard.dt);
@@ -191,5 +199,18 @@ mod tests {
         let found = noise.at(0, Friction::Slides);
         assert!((1.4..3.5).contains(&found.spread_nm), "{found:?}");
         assert!((0.5..=2.0).contains(&found.lasting_s), "{found:?}");
+    }
+
+    /// Nothing is left of a simulation without noise: variances stay above zero all the same.
+    #[test]
+    fn exact_torque_has_a_spread_too() {
+        let nothing = || crate::series::JointSeries::zeros(1, 500);
+        let friction = vec![vec![Friction::Slides; 500]];
+        let left = Left { torque: nothing(), holds: nothing(), friction };
+        let noise = Noise::learn(Heard { left: &left, every: 1, dt: 0.05 }, &[]);
+        for friction in [Friction::Slides, Friction::Holds, Friction::Rests, Friction::Changes] {
+            let Process { spread_nm, white_nm, .. } = *noise.at(0, friction);
+            assert!(spread_nm.powi(2) > 0.0 && white_nm.powi(2) > 0.0, "{friction:?}");
+        }
     }
 }
