@@ -16,6 +16,7 @@ use super::RecordingError;
 use super::bag::BagMap;
 use super::file::cannot;
 use super::text::{Delimiter, Layout};
+use crate::limits::{COLUMNS, read_settings};
 
 /// What the columns of a foreign CSV are.
 #[derive(Debug, Clone, Deserialize)]
@@ -103,7 +104,7 @@ pub struct Mapped {
 impl ColumnMap {
     pub fn load(path: &Path) -> Result<Self, RecordingError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(cannot(path, "read"))?;
+        let text = read_settings(path).map_err(cannot(path, "read"))?;
         Self::parse(&text, &file)
     }
 
@@ -179,6 +180,7 @@ impl ColumnMap {
                 }),
             );
         }
+        COLUMNS.allow(all.len() as u64).map_err(|e| wrong(e.to_string()))?;
         Ok(all)
     }
 }

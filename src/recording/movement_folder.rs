@@ -106,7 +106,7 @@ fn log_path(folder: &Path, signal: &str) -> Option<PathBuf> {
 }
 
 fn read_log(path: &Path, stem: &'static str) -> Result<Log, RecordingError> {
-    let text =
+    let mut text =
         Text::open(path, &Layout { delimiter: Some(Delimiter::Comma), ..Layout::default() })?;
     if text.header.is_some() || text.width < 2 {
         return Err(RecordingError::MissingColumn {
@@ -116,7 +116,8 @@ fn read_log(path: &Path, stem: &'static str) -> Result<Log, RecordingError> {
             remedy: "a log of one signal is expected in such a folder",
         });
     }
-    let table = table::read(&text, &(0..text.width).collect::<Vec<_>>())?;
+    let wanted: Vec<usize> = (0..text.width).collect();
+    let table = table::read(&mut text, &wanted)?;
     let time = &table.columns[0];
     if let Some(k) = time.windows(2).position(|w| w[1] <= w[0]) {
         return Err(RecordingError::Time {
