@@ -115,8 +115,20 @@ pub static NESTING: Limit = Limit {
     why: "a URDF has 6, a recording 1 to 3",
     remedy: "write it without elements inside elements",
 };
+pub static ATTRIBUTES: Limit = Limit {
+    most: 64,
+    of: "attributes of an element",
+    why: "a URDF's have 6 or fewer",
+    remedy: "take out what is no URDF",
+};
+pub static PREFIXES: Limit = Limit {
+    most: 256,
+    of: "prefixes (xmlns) in a URDF",
+    why: "those that have any declare some ten",
+    remedy: "take out what is no URDF",
+};
 pub static DESCRIPTION: Limit = Limit {
-    most: 1 << 23,
+    most: 1 << 22,
     of: "bytes in a URDF",
     why: "a humanoid's has 200 kB",
     remedy: "give the URDF of the robot alone; meshes belong into files of their own",
@@ -155,6 +167,8 @@ pub static ALL: &[&Limit] = &[
     &STEPS,
     &FOOTER,
     &NESTING,
+    &ATTRIBUTES,
+    &PREFIXES,
     &DESCRIPTION,
     &LINKS,
     &ARM,

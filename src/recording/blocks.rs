@@ -35,7 +35,8 @@ impl Blocks {
         let file = path.display().to_string();
         let taken = Rc::new(Cell::new(0));
         let opened = File::open(path).map_err(cannot(path, "read"))?;
-        let mut from = BufReader::with_capacity(1 << 16, Counted { from: opened, count: taken.clone() });
+        let mut from =
+            BufReader::with_capacity(1 << 16, Counted { from: opened, count: taken.clone() });
         let first = from.fill_buf().map_err(cannot(path, "read"))?;
         if first.is_empty() {
             return Err(RecordingError::Empty { file });

@@ -25,6 +25,8 @@ use super::rtde_csv::TIME;
 use super::{Channel, ColumnMap, Provenance, Recording, RecordingError};
 use crate::limits::{Expansion, ROWS, TooMuch, allow_numbers};
 
+/// No quantity of an arm is larger, nor are nanoseconds since 1970.
+const LARGEST: f64 = 1e20;
 /// Bytes of a decimal.
 const LONGEST_NUMBER: i32 = 32;
 
@@ -310,11 +312,11 @@ fn extend(
     let numbers = arrow::array::AsArray::as_primitive::<Float64Type>(&numbers);
     for (k, value) in numbers.iter().enumerate() {
         match value {
-            Some(v) if v.is_finite() => column.push(v),
+            Some(v) if v.abs() <= LARGEST => column.push(v),
             Some(v) => {
                 return Err(wrong(
                     first + k + 1,
-                    format!("the value is {v}"),
+                    format!("the value is {v:e}, beyond anything an arm does"),
                     "mend or delete the row",
                 ));
             }

@@ -71,7 +71,9 @@ pub fn read(text: &mut Text, wanted: &[usize]) -> Result<Table, RecordingError> 
         finished = lines.ends_with(b"\n");
         let chunks: Vec<Chunk> = split_lines(lines).into_par_iter().map(parse).collect();
         line = table.append(chunks, line, &mut faults);
-        table.allow().map_err(|limit| RecordingError::TooMuch { file: text.file.clone(), limit })?;
+        table
+            .allow()
+            .map_err(|limit| RecordingError::TooMuch { file: text.file.clone(), limit })?;
     }
     table.settle(text, faults, finished)?;
     Ok(table)

@@ -98,7 +98,16 @@ impl Text {
         rest.put_back(first.block, body);
         let (first_line, decimal_comma) = (first.number, layout.decimal_comma);
         let lines_before_body = first_line - usize::from(header.is_none());
-        Ok(Self { file, delimiter, header, width, first_line, lines_before_body, decimal_comma, rest })
+        Ok(Self {
+            file,
+            delimiter,
+            header,
+            width,
+            first_line,
+            lines_before_body,
+            decimal_comma,
+            rest,
+        })
     }
 
     /// The next whole lines with numbers.

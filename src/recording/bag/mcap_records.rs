@@ -21,10 +21,22 @@ mod op {
 /// What of a file matters here.
 #[derive(Debug)]
 pub enum Record<'a> {
-    Schema { id: u16, name: &'a str },
-    Channel { id: u16, schema: u16, topic: &'a str, encoding: &'a str },
+    Schema {
+        id: u16,
+        name: &'a str,
+    },
+    Channel {
+        id: u16,
+        schema: u16,
+        topic: &'a str,
+        encoding: &'a str,
+    },
     /// When it was logged, ns.
-    Message { channel: u16, logged: u64, data: &'a [u8] },
+    Message {
+        channel: u16,
+        logged: u64,
+        data: &'a [u8],
+    },
 }
 
 /// Why reading stopped.

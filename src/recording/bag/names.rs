@@ -45,7 +45,8 @@ fn listed(names: &[&str], wanted: &[String]) -> Result<Option<Vec<usize>>, Strin
 fn by_manufacturer(names: &[&str]) -> Result<Option<Vec<usize>>, String> {
     let prefixes = names.iter().filter_map(|n| n.strip_suffix(UR[0]));
     // Of equal names the first.
-    let places: HashMap<&str, usize> = names.iter().enumerate().rev().map(|(k, n)| (*n, k)).collect();
+    let places: HashMap<&str, usize> =
+        names.iter().enumerate().rev().map(|(k, n)| (*n, k)).collect();
     let joints = |prefix: &str| -> Option<Vec<usize>> {
         let at = |ending: &&str| places.get(format!("{prefix}{ending}").as_str()).copied();
         UR.iter().map(at).collect()
