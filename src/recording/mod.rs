@@ -73,4 +73,6 @@ impl Recording {
 }
 
 #[cfg(test)]
+mod hostile_tests;
+#[cfg(test)]
 mod tests;

@@ -132,7 +132,7 @@ fn finite(effect: &str, p: &Parameter, value: f64) -> Result<f64, String> {
     let Parameter { name, min, max, .. } = p;
     let message = || {
         format!(
-            "effects.{effect}.{name} = {value}: beyond its range ({min} to {max}) it may be a \
+            "effects.{effect}.{name} = {value:e}: beyond its range ({min} to {max}) it may be a \
              thousand times as large"
         )
     };

@@ -196,6 +196,10 @@ fn check_value(parameter: &Parameter, values: &[f64], count: usize) -> Result<()
     let positive = |v: f64| v > 0.0 || parameter.min <= 0.0;
     match values.iter().find(|&&v| parameter.is_absurd(v) || !(signed(v) && positive(v))) {
         None => Ok(()),
+        Some(v) if v.abs() >= 1e9 => Err(format!(
+            "has the value {v:e}; physical values are {} to {} {}",
+            parameter.min, parameter.max, parameter.unit
+        )),
         Some(v) => Err(format!(
             "has the value {v}; physical values are {} to {} {}",
             parameter.min, parameter.max, parameter.unit
