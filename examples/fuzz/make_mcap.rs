@@ -40,13 +40,12 @@ fn records(file: &[u8]) -> Option<Vec<Record>> {
         let compression = body.get(32..32_usize.checked_add(length)?)?;
         let data = body.get(32 + length + 8..)?;
         let mut plain = Vec::new();
-        match compression {
-            b"zstd" => {
-                drop(zstd::Decoder::new(data).ok()?.take(ROOM).read_to_end(&mut plain).ok()?)
-            }
-            b"lz4" => drop(lz4::Decoder::new(data).ok()?.take(ROOM).read_to_end(&mut plain).ok()?),
-            _ => plain = data.to_vec(),
-        }
+        let unpacked = match compression {
+            b"zstd" => zstd::Decoder::new(data).ok()?.take(ROOM).read_to_end(&mut plain),
+            b"lz4" => lz4::Decoder::new(data).ok()?.take(ROOM).read_to_end(&mut plain),
+            _ => data.take(ROOM).read_to_end(&mut plain),
+        };
+        unpacked.ok()?;
         all.extend(split(&plain).map(|(opcode, body)| (opcode, body.to_vec())));
     }
     Some(all).filter(|all| !all.is_empty())

@@ -74,13 +74,13 @@ fn file(random: &mut Random) -> Vec<u8> {
         let words: StringArray = (0..rows).map(|k| Some(format!("note {}", k % 3))).collect();
         columns.push(("note".into(), Arc::new(words)));
     }
-    let nullable = random.one_in(2);
+    let (nullable, whole) = (random.one_in(2), columns[1].1.data_type().is_integer());
     let fields = columns.iter().map(|(n, c)| Field::new(n, c.data_type().clone(), nullable));
     let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
     let arrays = columns.into_iter().map(|(_, column)| column).collect();
     let batch = RecordBatch::try_new(schema.clone(), arrays).expect("columns of one length");
     let mut file = Vec::new();
-    let properties = properties(random);
+    let properties = properties(random, whole);
     let written = ArrowWriter::try_new(&mut file, schema, Some(properties)).and_then(|mut out| {
         out.write(&batch)?;
         out.close()
@@ -88,7 +88,8 @@ fn file(random: &mut Random) -> Vec<u8> {
     written.map_or_else(|_| b"PAR1".to_vec(), |_| file)
 }
 
-fn properties(random: &mut Random) -> WriterProperties {
+/// Are the numbers of the first joint `whole`?
+fn properties(random: &mut Random, whole: bool) -> WriterProperties {
     let dictionary = random.one_in(2);
     let version = [WriterVersion::PARQUET_1_0, WriterVersion::PARQUET_2_0];
     let packing = [
@@ -104,12 +105,13 @@ fn properties(random: &mut Random) -> WriterProperties {
         .set_data_page_row_count_limit(*random.of(&[5, 1_000]))
         .set_write_batch_size(4)
         .set_max_row_group_row_count(Some(*random.of(&[20, 1_000])));
-    let joint = "actual_q_0".into();
-    match random.below(4) {
-        _ if dictionary => builder,
-        0 => builder.set_column_encoding(joint, Encoding::PLAIN),
-        1 => builder.set_column_encoding(joint, Encoding::DELTA_BINARY_PACKED),
-        _ => builder.set_column_encoding(joint, Encoding::BYTE_STREAM_SPLIT),
+    let encoding = match whole {
+        true => Encoding::DELTA_BINARY_PACKED,
+        false => Encoding::BYTE_STREAM_SPLIT,
+    };
+    match !dictionary && random.one_in(2) {
+        true => builder.set_column_encoding("actual_q_0".into(), encoding),
+        false => builder,
     }
     .build()
 }

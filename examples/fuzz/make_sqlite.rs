@@ -24,7 +24,8 @@ const SCHEMAS: &[&str] = &[
     "UPDATE messages SET data = 'text'",
     "UPDATE messages SET data = NULL",
     "UPDATE messages SET timestamp = 'late'",
-    "UPDATE topics SET id = 'one'",
+    "ALTER TABLE topics RENAME TO t; CREATE TABLE topics AS SELECT 'one' AS id, name, type, \
+     serialization_format FROM t",
     "UPDATE topics SET id = -1; UPDATE messages SET topic_id = -1",
     "CREATE TABLE metadata(a); PRAGMA journal_mode = WAL",
 ];
@@ -63,10 +64,10 @@ pub fn seeds() -> Vec<Vec<u8>> {
 
 pub fn make(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
     let mut file = corpus.pick(random);
-    if random.one_in(8) {
-        if let Some(changed) = by_sql(random, &file, corpus) {
-            file = changed;
-        }
+    if random.one_in(8)
+        && let Some(changed) = by_sql(random, &file, corpus)
+    {
+        file = changed;
     }
     if random.one_in(4) && file.len() >= 1024 {
         // Pages change places, so that trees lead in circles.

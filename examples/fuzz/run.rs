@@ -125,8 +125,8 @@ pub fn alone(target: &Target, limit: &Limit, seed: u64) {
     let scratch = scratch.unwrap_or_else(|| self::scratch(std::process::id(), target.name));
     std::fs::create_dir_all(&scratch).expect("a scratch folder");
     watch();
-    std::panic::set_hook(Box::new(|_| {}));
     let mut corpus = Corpus::new((target.seeds)());
+    std::panic::set_hook(Box::new(|_| {}));
     let mut random = Random(seed ^ 0x5eed);
     let mut result = Result { target: target.name.into(), ..Result::default() };
     let (start, mut answers) = (Instant::now(), HashSet::new());
@@ -161,7 +161,7 @@ pub fn alone(target: &Target, limit: &Limit, seed: u64) {
         }
         let answer = answer.unwrap_or_else(|_| Err("panic".into()));
         result.read += u64::from(answer.is_ok());
-        let shape = answer.map_or_else(|e| shape(&e), |kind| kind);
+        let shape = answer.unwrap_or_else(|e| shape(&e));
         if answers.len() < MOST_KEPT && answers.insert(shape) {
             corpus.kept.push(input);
         }

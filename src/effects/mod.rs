@@ -110,7 +110,7 @@ impl Parameter {
 
     /// Beyond anything that a fit or a slip of units can give: a thousand times the bounds.
     pub fn is_absurd(&self, value: f64) -> bool {
-        !(value.abs() <= ABSURD * self.min.abs().max(self.max.abs()))
+        value.is_nan() || value.abs() > ABSURD * self.min.abs().max(self.max.abs())
     }
 
     /// The nearest value within the bounds.
