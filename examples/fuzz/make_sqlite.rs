@@ -64,8 +64,9 @@ pub fn seeds() -> Vec<Vec<u8>> {
 
 pub fn make(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
     let mut file = corpus.pick(random);
+    // What is damaged already may keep SQLite busy for ever when it is written to.
     if random.one_in(8)
-        && let Some(changed) = by_sql(random, &file, corpus)
+        && let Some(changed) = by_sql(random, corpus)
     {
         file = changed;
     }
@@ -82,8 +83,9 @@ pub fn make(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
     file
 }
 
-/// A message of the bag with other bytes.
-fn by_sql(random: &mut Random, file: &[u8], corpus: &Corpus) -> Option<Vec<u8>> {
+/// A seed, one message of it with other bytes.
+fn by_sql(random: &mut Random, corpus: &Corpus) -> Option<Vec<u8>> {
+    let file = random.of(&corpus.seeds);
     let path = tempfile::NamedTempFile::new_in(crate::targets::memory_folder()).ok()?;
     std::fs::write(path.path(), file).ok()?;
     let database = Connection::open(path.path()).ok()?;

@@ -94,7 +94,8 @@ fn a_small_bag_that_becomes_large_is_refused() {
     let one = [MAGIC, &chunk_of_zeros(200 << 20)].concat();
     assert!(one.len() < 40_000, "{}", one.len());
     refused(read_bytes("a.mcap", &one), &["more than 1 000 times its own size once unpacked"]);
-    let chunk = chunk_of_zeros(20 << 20);
+    // Zeros are records of no kind and no length, nine bytes each.
+    let chunk = chunk_of_zeros(9 << 21);
     let many = [MAGIC, &chunk.repeat(20)].concat();
     refused(read_bytes("a.mcap", &many), &["more than 1 000 times its own size once unpacked"]);
 }
@@ -192,8 +193,7 @@ fn text_without_end_is_refused() {
     std::fs::write(&path, rows).unwrap();
     std::fs::write(&map, "time = 1\n[channels]\nactual_q = { first = 2, count = 1 }").unwrap();
     refused(read(&path, Some(&map)), &["more than 5 000 000 rows in a recording; cut it"]);
-    let blank = gzip("\n", 100_000_000);
-    refused(read_bytes("a.csv.gz", &blank), &["more than 1 000 times its own size"]);
+    refused(read_bytes("a.csv.gz", &gzip("\n", 50_000_000)), &["the file is empty"]);
     let line = "1,".repeat(3 << 20);
     refused(read_bytes("a.csv", line.as_bytes()), &["more than 4 194 304 bytes in a line of text"]);
     let wide = "a,".repeat(3_000) + "\n";

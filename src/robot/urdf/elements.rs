@@ -195,7 +195,7 @@ impl<'a> Element<'a> {
                 Ok(numbers)
             }
             None if tag == "mass" => {
-                Err(self.not_numbers(tag, attribute, text, "kilograms, 1e6 at most"))
+                Err(self.not_numbers(tag, attribute, text, "a finite number of kilograms"))
             }
             None if N == 1 => Err(self.not_numbers(tag, attribute, text, "a finite number")),
             None => Err(self.not_numbers(tag, attribute, text, &format!("{N} finite numbers"))),
