@@ -134,6 +134,7 @@ pub fn alone(target: &Target, limit: &Limit, seed: u64) {
         && start.elapsed().as_secs_f64() < limit.seconds
         && result.findings.len() < ENOUGH
     {
+        BEGUN.store(seconds_since_start(), Relaxed);
         // Seeds first, as they are.
         let input = match corpus.seeds.get(result.executions as usize) {
             Some(seed) => seed.clone(),
@@ -142,7 +143,6 @@ pub fn alone(target: &Target, limit: &Limit, seed: u64) {
         std::fs::write(scratch.join(INPUT), &input).expect("room in the scratch folder");
         let before = memory::reset();
         let begun = Instant::now();
-        BEGUN.store(seconds_since_start(), Relaxed);
         let answer = catch_unwind(AssertUnwindSafe(|| (target.read)(&scratch, &input)));
         BEGUN.store(u64::MAX, Relaxed);
         let (took, asked) = (begun.elapsed(), memory::peak() - before);
