@@ -98,9 +98,9 @@ pub static TOPICS: Limit = Limit {
     remedy: "record the joints alone",
 };
 pub static STEPS: Limit = Limit {
-    most: 100,
-    of: "steps of SQLite for each of its bytes (beyond a million)",
-    why: "to read a message takes some 30 steps, and it has 100 bytes or more",
+    most: 10,
+    of: "steps of SQLite for each of its bytes (beyond a hundred thousand)",
+    why: "to pass a message takes some 10 steps, and it has 20 bytes or more",
     remedy: "its tables lead in circles; mend it with `sqlite3 FILE .recover`",
 };
 pub static FOOTER: Limit = Limit {

@@ -145,7 +145,11 @@ pub fn alone(target: &Target, limit: &Limit, seed: u64) {
         let begun = Instant::now();
         let answer = catch_unwind(AssertUnwindSafe(|| (target.read)(&scratch, &input)));
         BEGUN.store(u64::MAX, Relaxed);
-        let (took, asked) = (begun.elapsed(), memory::peak() - before);
+        let (mut took, asked) = (begun.elapsed(), memory::peak() - before);
+        if took > LONGEST {
+            // Others may have had the machine.
+            took = took.min(again(target, &scratch, &input));
+        }
         result.executions += 1;
         result.slowest_ms = result.slowest_ms.max(took.as_secs_f64() * 1e3);
         result.peak_mb = result.peak_mb.max(asked as f64 / f64::from(1 << 20));
@@ -170,6 +174,16 @@ pub fn alone(target: &Target, limit: &Limit, seed: u64) {
     result.answers = answers.len();
     result.resident_mb = memory::resident_peak();
     println!("{}", serde_json::to_string(&result).expect("plain numbers"));
+}
+
+/// The shorter of two more times.
+fn again(target: &Target, scratch: &Path, input: &[u8]) -> Duration {
+    let time = || {
+        let start = Instant::now();
+        let _ = catch_unwind(AssertUnwindSafe(|| (target.read)(scratch, input)));
+        start.elapsed()
+    };
+    time().min(time())
 }
 
 fn said(panic: &(dyn std::any::Any + Send)) -> String {

@@ -130,7 +130,7 @@ fn packed_text(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
     havoc(random, &mut plain, &[], &[]);
     // Long runs of one line pack well.
     if random.one_in(64) {
-        plain = plain.repeat(1 + random.below(2_000));
+        plain = plain.repeat(1 + random.below(500));
     }
     gzip(&plain)
 }

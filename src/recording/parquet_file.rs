@@ -27,6 +27,8 @@ use crate::limits::{Expansion, ROWS, TooMuch, allow_numbers};
 
 /// No quantity of an arm is larger, nor are nanoseconds since 1970.
 const LARGEST: f64 = 1e20;
+/// Copied at once while writing.
+const ROWS_PER_BATCH: usize = 1 << 16;
 /// Bytes of a decimal.
 const LONGEST_NUMBER: i32 = 32;
 
@@ -336,11 +338,6 @@ fn write(recording: &Recording, file: File) -> parquet::errors::Result<()> {
     let column = |name: &str| Field::new(name, DataType::Float64, false);
     let names = std::iter::once(TIME).chain(recording.channels.iter().map(|c| c.name.as_str()));
     let schema = Arc::new(Schema::new(names.map(column).collect::<Vec<_>>()));
-    let values =
-        std::iter::once(&recording.time).chain(recording.channels.iter().map(|c| &c.values));
-    let arrays: Vec<ArrayRef> =
-        values.map(|v| Arc::new(Float64Array::from(v.clone())) as ArrayRef).collect();
-    let batch = RecordBatch::try_new(schema.clone(), arrays)?;
     let note = |key: &str, value: &str| KeyValue::new(format!("armtwin.{key}"), value.to_string());
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::default()))
@@ -351,8 +348,15 @@ fn write(recording: &Recording, file: File) -> parquet::errors::Result<()> {
             note("source", &recording.provenance.source),
         ]))
         .build();
-    let mut out = ArrowWriter::try_new(file, schema, Some(properties))?;
-    out.write(&batch)?;
+    let mut out = ArrowWriter::try_new(file, schema.clone(), Some(properties))?;
+    for first in (0..recording.time.len()).step_by(ROWS_PER_BATCH) {
+        let rows = first..recording.time.len().min(first + ROWS_PER_BATCH);
+        let values =
+            std::iter::once(&recording.time).chain(recording.channels.iter().map(|c| &c.values));
+        let part =
+            |v: &Vec<f64>| Arc::new(Float64Array::from(v[rows.clone()].to_vec())) as ArrayRef;
+        out.write(&RecordBatch::try_new(schema.clone(), values.map(part).collect())?)?;
+    }
     out.close().map(drop)
 }
 

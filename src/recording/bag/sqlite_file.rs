@@ -13,7 +13,7 @@ use crate::limits::{CHUNK, Expansion, STEPS, TooMuch};
 use crate::recording::RecordingError;
 
 /// What any bag may take.
-const FEW_STEPS: u64 = 1_000_000;
+const FEW_STEPS: u64 = 100_000;
 /// Between two looks at how many they were.
 const STEPS_PER_LOOK: u64 = 1_000;
 
