@@ -23,6 +23,7 @@ pub mod external_wrench;
 pub mod files;
 pub mod identification;
 pub mod kernels;
+pub mod limits;
 pub mod motion;
 pub mod motor;
 pub mod recording;

@@ -92,6 +92,7 @@ fn third_party_types_stay_at_their_edge() {
         ("mcap", &["recording"]),
         ("rusqlite", &["recording"]),
         ("zstd", &["recording"]),
+        ("lz4", &["recording"]),
         ("arrow", &["recording", "sweep"]),
         ("parquet", &["recording", "sweep"]),
         ("plotly", &["html"]),

@@ -1,6 +1,5 @@
 //! `armtwin motor`: the DC-motor case study.
 
-use std::fs;
 use std::path::PathBuf;
 
 use anyhow::Context;
@@ -11,6 +10,7 @@ use serde::Serialize;
 use super::motor_archive::Folder;
 use super::outputs::Output;
 use super::{interrupt, save};
+use crate::limits::read_settings;
 use crate::motor::dependence::dependence;
 use crate::motor::fit::Tick;
 use crate::motor::model::{NAMES, position};
@@ -185,7 +185,7 @@ fn progress(scenario: &Scenario, methods: &[Method]) -> ProgressBar {
 fn scenarios(args: &Args) -> anyhow::Result<Vec<Scenario>> {
     let mut scenarios = match &args.scenario {
         Some(path) => {
-            let text = fs::read_to_string(path).with_context(|| format!("{}", path.display()))?;
+            let text = read_settings(path).with_context(|| format!("{}", path.display()))?;
             vec![Scenario::parse(&text).with_context(|| format!("{}", path.display()))?]
         }
         None => SHIPPED.iter().map(|text| Scenario::parse(text)).collect::<Result<_, _>>()?,

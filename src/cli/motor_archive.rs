@@ -41,7 +41,8 @@ impl Archive for Folder {
         let file = self.file(scenario, method, seed);
         let text = toml::to_string(search).map_err(anyhow::Error::from);
         if let Err(error) = text.and_then(|text| save::text(&file, &text)) {
-            eprintln!("{error:#}: this search will have to be made again");
+            let why = super::in_words(&error);
+            eprintln!("{why}: this search will have to be made again");
         }
     }
 }

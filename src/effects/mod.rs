@@ -108,11 +108,19 @@ impl Parameter {
         may.then_some(self.typical)
     }
 
+    /// Beyond anything that a fit or a slip of units can give: a thousand times the bounds.
+    pub fn is_absurd(&self, value: f64) -> bool {
+        value.is_nan() || value.abs() > ABSURD * self.min.abs().max(self.max.abs())
+    }
+
     /// The nearest value within the bounds.
     pub fn clamp(&self, value: f64) -> f64 {
         value.clamp(self.min, self.max)
     }
 }
+
+/// Times the bounds of a parameter.
+const ABSURD: f64 = 1e3;
 
 /// How a parameter enters the torque.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]

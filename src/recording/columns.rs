@@ -16,6 +16,7 @@ use super::RecordingError;
 use super::bag::BagMap;
 use super::file::cannot;
 use super::text::{Delimiter, Layout};
+use crate::limits::{COLUMNS, read_settings};
 
 /// What the columns of a foreign CSV are.
 #[derive(Debug, Clone, Deserialize)]
@@ -88,6 +89,11 @@ impl Default for Scale {
     }
 }
 
+/// Between units; what it multiplies stays a number.
+fn is_factor(scale: f64) -> bool {
+    (1e-15..=1e15).contains(&scale.abs())
+}
+
 fn one() -> f64 {
     1.0
 }
@@ -103,7 +109,7 @@ pub struct Mapped {
 impl ColumnMap {
     pub fn load(path: &Path) -> Result<Self, RecordingError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(cannot(path, "read"))?;
+        let text = read_settings(path).map_err(cannot(path, "read"))?;
         Self::parse(&text, &file)
     }
 
@@ -159,8 +165,9 @@ impl ColumnMap {
         if self.channels.is_empty() {
             return Err(wrong("[channels] is empty; name at least one signal".into()));
         }
-        if !(self.time_scale.is_finite() && self.time_scale > 0.0) {
-            return Err(wrong(format!("time_scale is {}, must be positive", self.time_scale)));
+        if !(is_factor(self.time_scale) && self.time_scale > 0.0) {
+            let scale = self.time_scale;
+            return Err(wrong(format!("time_scale is {scale}, must be positive and 1e15 at most")));
         }
         if self.delimiter == Some(Delimiter::Comma) && self.decimal == Decimal::Comma {
             return Err(wrong(
@@ -179,6 +186,7 @@ impl ColumnMap {
                 }),
             );
         }
+        COLUMNS.allow(all.len() as u64).map_err(|e| wrong(e.to_string()))?;
         Ok(all)
     }
 }
@@ -210,8 +218,10 @@ impl Scale {
             Scale::Each(scales) if scales.len() == count => scales.clone(),
             Scale::Each(s) => return Err(format!("{} scales for {count} columns", s.len())),
         };
-        match scales.iter().find(|s| !s.is_finite() || **s == 0.0) {
-            Some(scale) => Err(format!("scale {scale} must be a number other than zero")),
+        match scales.iter().find(|s| !is_factor(**s)) {
+            Some(scale) => Err(format!(
+                "scale {scale} must be a number other than zero, between 1e-15 and 1e15 in size"
+            )),
             None => Ok(scales),
         }
     }

@@ -2,6 +2,8 @@
 
 use std::io;
 
+use crate::limits::TooMuch;
+
 /// Rows are counted from 1 as an editor shows them, header and blank lines included.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
@@ -74,6 +76,8 @@ pub enum RecordingError {
     Container { file: String, what: String, remedy: &'static str },
     #[error("{file}: {what}")]
     ColumnMap { file: String, what: String },
+    #[error("{file}: {limit}")]
+    TooMuch { file: String, limit: TooMuch },
     #[error("{file}: a recording cannot be written under this extension; known are {known}")]
     UnknownExtension { file: String, known: String },
 }

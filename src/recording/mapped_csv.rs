@@ -6,10 +6,11 @@ use super::check::refuse_bad;
 use super::columns::{Column, Mapped};
 use super::text::Text;
 use super::{Channel, ColumnMap, Provenance, Recording, RecordingError, table};
+use crate::limits;
 
 /// Reads the mapped columns of `path`; all others are left out.
 pub fn read(path: &Path, map: &ColumnMap) -> Result<Recording, RecordingError> {
-    let text = Text::open(path, &map.layout())?;
+    let mut text = Text::open(path, &map.layout())?;
     if let Some(expected) = map.file_columns.filter(|n| *n != text.width) {
         let (file, row, found) = (text.file, text.first_line, text.width);
         return Err(RecordingError::Ragged { file, row, found, expected });
@@ -19,11 +20,14 @@ pub fn read(path: &Path, map: &ColumnMap) -> Result<Recording, RecordingError> {
     let columns: Vec<usize> =
         mapped.iter().map(|m| locate(&m.column, &text, map)).collect::<Result<_, _>>()?;
     let (wanted, slots) = distinct(time, &columns);
-    let mut table = table::read(&text, &wanted)?;
+    let mut table = table::read(&mut text, &wanted)?;
+    let numbers = (table.rows() * (mapped.len() + 1)) as u64;
+    limits::allow_numbers(numbers, text.bytes())
+        .map_err(|limit| RecordingError::TooMuch { file: text.file.clone(), limit })?;
+    let channels = channels(mapped, &slots, &mut table.columns);
     table.columns[0].iter_mut().for_each(|t| *t *= map.time_scale);
-    let channels = mapped.iter().zip(&slots).map(|(m, slot)| channel(m, &table.columns[*slot]));
     let recording = Recording {
-        channels: channels.collect(),
+        channels,
         time: std::mem::take(&mut table.columns[0]),
         provenance: Provenance {
             source: text.file.clone(),
@@ -35,9 +39,17 @@ pub fn read(path: &Path, map: &ColumnMap) -> Result<Recording, RecordingError> {
     Ok(recording)
 }
 
-fn channel(mapped: &Mapped, values: &[f64]) -> Channel {
-    let values = values.iter().map(|v| v * mapped.scale).collect();
-    Channel { name: mapped.name.clone(), values }
+/// A channel takes its column with it where nobody needs that any more.
+fn channels(mapped: Vec<Mapped>, slots: &[usize], columns: &mut [Vec<f64>]) -> Vec<Channel> {
+    let mut channels = Vec::with_capacity(mapped.len());
+    for (k, Mapped { name, scale, .. }) in mapped.into_iter().enumerate() {
+        let needed = slots[k] == 0 || slots[k + 1..].contains(&slots[k]);
+        let column = &mut columns[slots[k]];
+        let mut values = if needed { column.clone() } else { std::mem::take(column) };
+        values.iter_mut().for_each(|v| *v *= scale);
+        channels.push(Channel { name, values });
+    }
+    channels
 }
 
 /// Position (from 0) of a column of the map in the file.

@@ -2,6 +2,7 @@
 //! One file per format; every reader yields the same [`Recording`].
 
 mod bag;
+mod blocks;
 mod check;
 mod columns;
 mod error;
@@ -13,9 +14,11 @@ pub mod inspection;
 mod mapped_csv;
 mod movement_folder;
 mod parquet_file;
+mod parquet_sizes;
 mod rtde_csv;
 mod table;
 mod text;
+mod thrift;
 
 pub use check::{FEWEST_SAMPLES, JOINT_SIGNALS};
 pub use columns::ColumnMap;
@@ -69,5 +72,7 @@ impl Recording {
     }
 }
 
+#[cfg(test)]
+mod hostile_tests;
 #[cfg(test)]
 mod tests;

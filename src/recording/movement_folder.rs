@@ -3,11 +3,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::check::refuse_bad;
+use super::check::{FEWEST_SAMPLES, refuse_bad};
 use super::format::Format;
 use super::table::{self, Table};
 use super::text::{Delimiter, Layout, Text};
 use super::{Channel, ColumnMap, Provenance, Recording, RecordingError};
+use crate::limits::NUMBERS;
 
 /// Log name, RTDE name.
 const SIGNALS: &[(&str, &str)] = &[
@@ -68,10 +69,14 @@ fn read(folder: &Path) -> Result<Recording, RecordingError> {
     let reference = read_log(&path, "actual_q")?;
     let mut notes = table_notes(&reference);
     let mut time = reference.time().to_vec();
-    let mut logs = Vec::new();
+    let (mut logs, mut numbers) = (Vec::new(), 0);
     for (signal, stem) in SIGNALS {
         if let Some(path) = log_path(folder, signal) {
             let log = read_log(&path, stem)?;
+            numbers += log.table.rows() * log.table.columns.len();
+            NUMBERS
+                .allow(numbers as u64)
+                .map_err(|limit| RecordingError::TooMuch { file: name.clone(), limit })?;
             if *signal != REFERENCE {
                 notes.extend(table_notes(&log));
             }
@@ -81,6 +86,9 @@ fn read(folder: &Path) -> Result<Recording, RecordingError> {
     let longest = time.len();
     let aligned: Vec<Aligned> = logs.iter().map(|log| align(log, &time)).collect();
     let (from, to) = common_range(&aligned, longest);
+    if from >= to {
+        return Err(RecordingError::TooFew { file: name, samples: 0, needed: FEWEST_SAMPLES });
+    }
     notes.extend(alignment_notes(&logs, &aligned, &time));
     if log_path(folder, "force_sensor").is_some() {
         notes.push("log_force_sensor has a clock of its own and was left out".into());
@@ -106,7 +114,7 @@ fn log_path(folder: &Path, signal: &str) -> Option<PathBuf> {
 }
 
 fn read_log(path: &Path, stem: &'static str) -> Result<Log, RecordingError> {
-    let text =
+    let mut text =
         Text::open(path, &Layout { delimiter: Some(Delimiter::Comma), ..Layout::default() })?;
     if text.header.is_some() || text.width < 2 {
         return Err(RecordingError::MissingColumn {
@@ -116,7 +124,12 @@ fn read_log(path: &Path, stem: &'static str) -> Result<Log, RecordingError> {
             remedy: "a log of one signal is expected in such a folder",
         });
     }
-    let table = table::read(&text, &(0..text.width).collect::<Vec<_>>())?;
+    let wanted: Vec<usize> = (0..text.width).collect();
+    let table = table::read(&mut text, &wanted)?;
+    if table.rows() < 2 {
+        let (file, samples) = (text.file, table.rows());
+        return Err(RecordingError::TooFew { file, samples, needed: FEWEST_SAMPLES });
+    }
     let time = &table.columns[0];
     if let Some(k) = time.windows(2).position(|w| w[1] <= w[0]) {
         return Err(RecordingError::Time {
@@ -187,11 +200,12 @@ fn interpolate(time: &[f64], values: &[f64], onto: &[f64]) -> Vec<f64> {
     onto.iter().map(at).collect()
 }
 
+/// Rows that all logs have; where they do not overlap, it ends before it begins.
 fn common_range(aligned: &[Aligned], longest: usize) -> (usize, usize) {
     let from = aligned.iter().map(|a| a.from).max().unwrap_or(0);
     let rows = |a: &Aligned| a.from + a.columns.first().map_or(0, Vec::len);
     let to = aligned.iter().map(rows).min().unwrap_or(longest);
-    (from.min(to), to)
+    (from, to)
 }
 
 fn alignment_notes(logs: &[Log], aligned: &[Aligned], time: &[f64]) -> Vec<String> {

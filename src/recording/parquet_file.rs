@@ -17,11 +17,20 @@ use parquet::file::properties::WriterProperties;
 
 use super::check::refuse_bad;
 use super::columns::Column;
-use super::file::{open, replace, unwritten};
+use super::file::{cannot, open, replace, unwritten};
 use super::format::{Format, WriteOptions};
 use super::guard::guarded;
+use super::parquet_sizes::{self as sizes, Refused};
 use super::rtde_csv::TIME;
 use super::{Channel, ColumnMap, Provenance, Recording, RecordingError};
+use crate::limits::{Expansion, ROWS, TooMuch, allow_numbers};
+
+/// No quantity of an arm is larger, nor are nanoseconds since 1970.
+const LARGEST: f64 = 1e20;
+/// Copied at once while writing.
+const ROWS_PER_BATCH: usize = 1 << 16;
+/// Bytes of a decimal.
+const LONGEST_NUMBER: i32 = 32;
 
 pub struct Parquet;
 
@@ -67,39 +76,112 @@ struct Wanted {
 fn read(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError> {
     let file = path.display().to_string();
     let wrong = |e: &dyn std::error::Error| damaged(path, e.to_string());
-    let builder = ParquetRecordBatchReaderBuilder::try_new(open(path)?).map_err(|e| wrong(&e))?;
+    let opened = open(path)?;
+    sizes::footer(&opened).map_err(|e| refusal(path, e))?;
+    let again = opened.try_clone().map_err(cannot(path, "read"))?;
+    let builder = ParquetRecordBatchReaderBuilder::try_new(again).map_err(|e| wrong(&e))?;
     let schema = builder.schema().clone();
     let mut notes = Vec::new();
     let (time, wanted) = match map {
         Some(map) => mapped(&schema, map, &file)?,
         None => named(&schema, &file, &mut notes)?,
     };
-    let roots = wanted.iter().map(|w| w.at).chain([time.at]);
-    let mask = ProjectionMask::roots(builder.parquet_schema(), roots);
-    let mut columns = vec![Vec::new(); schema.fields().len()];
-    for batch in builder.with_projection(mask).build().map_err(|e| wrong(&e))? {
-        let batch = batch.map_err(|e| wrong(&e))?;
-        for (field, values) in batch.schema().fields().iter().zip(batch.columns()) {
-            let at = schema.index_of(field.name()).map_err(|e| wrong(&e))?;
-            extend(&mut columns[at], values, field.name(), &file)?;
-        }
-    }
-    let scaled = |w: &Wanted| columns[w.at].iter().map(|v| v * w.scale).collect::<Vec<f64>>();
+    let mut roots: Vec<usize> = wanted.iter().map(|w| w.at).chain([time.at]).collect();
+    roots.sort_unstable();
+    roots.dedup();
+    let mut columns = take(path, &opened, builder, &roots)?;
+    let rows = columns[time.at].len();
+    allow(path, &opened, rows * (wanted.len() + 1))?;
     let format = match map {
         Some(map) => format!("Parquet, columns by {}", map.file),
         None => "Parquet".into(),
     };
+    let mut channels = Vec::with_capacity(wanted.len());
+    for (k, Wanted { at, name, scale }) in wanted.iter().enumerate() {
+        let needed = *at == time.at || wanted[k + 1..].iter().any(|w| w.at == *at);
+        let column = &mut columns[*at];
+        let values = if needed { column.clone() } else { std::mem::take(column) };
+        channels.push(Channel { name: name.clone(), values: scaled(values, *scale) });
+    }
     let recording = Recording {
-        time: scaled(&time),
-        channels: wanted
-            .iter()
-            .map(|w| Channel { name: w.name.clone(), values: scaled(w) })
-            .collect(),
+        time: scaled(std::mem::take(&mut columns[time.at]), time.scale),
+        channels,
         provenance: Provenance { source: file, format, notes },
     };
-    let lines: Vec<usize> = (1..=recording.time.len()).collect();
+    let lines: Vec<usize> = (1..=rows).collect();
     refuse_bad(&recording, schema.field(time.at).name(), &lines)?;
     Ok(recording)
+}
+
+fn scaled(mut values: Vec<f64>, scale: f64) -> Vec<f64> {
+    values.iter_mut().for_each(|v| *v *= scale);
+    values
+}
+
+/// The numbers of the columns `roots` (sorted) under their places in the file; the others stay empty.
+fn take(
+    path: &Path,
+    opened: &File,
+    builder: ParquetRecordBatchReaderBuilder<File>,
+    roots: &[usize],
+) -> Result<Vec<Vec<f64>>, RecordingError> {
+    let file = path.display().to_string();
+    let wrong = |e: &dyn std::error::Error| damaged(path, e.to_string());
+    let schema = builder.schema().clone();
+    let mask = ProjectionMask::roots(builder.parquet_schema(), roots.iter().copied());
+    look_at_pages(opened, &builder, &mask).map_err(|e| refusal(path, e))?;
+    let mut columns = vec![Vec::new(); schema.fields().len()];
+    let mut rows = 0;
+    for batch in builder.with_projection(mask).build().map_err(|e| wrong(&e))? {
+        let batch = batch.map_err(|e| wrong(&e))?;
+        if batch.num_columns() != roots.len() {
+            return Err(damaged(path, "columns are missing".into()));
+        }
+        rows += batch.num_rows();
+        ROWS.allow(rows as u64).map_err(|limit| too_much(path, limit))?;
+        allow(path, opened, rows * roots.len())?;
+        for (at, values) in roots.iter().zip(batch.columns()) {
+            extend(&mut columns[*at], values, schema.field(*at).name(), &file)?;
+        }
+    }
+    Ok(columns)
+}
+
+fn look_at_pages(
+    file: &File,
+    builder: &ParquetRecordBatchReaderBuilder<File>,
+    mask: &ProjectionMask,
+) -> Result<(), Refused> {
+    let mut expansion = Expansion::default();
+    expansion.take(file.metadata()?.len());
+    for group in builder.metadata().row_groups() {
+        for (leaf, column) in group.columns().iter().enumerate() {
+            if !mask.leaf_included(leaf) {
+                continue;
+            }
+            if column.column_descr().type_length() > LONGEST_NUMBER {
+                return Err(Refused::Damaged("a number of more than 32 bytes".into()));
+            }
+            sizes::pages(file, column.byte_range(), &mut expansion)?;
+        }
+    }
+    Ok(())
+}
+
+fn allow(path: &Path, file: &File, numbers: usize) -> Result<(), RecordingError> {
+    let length = file.metadata().map_err(cannot(path, "read"))?.len();
+    allow_numbers(numbers as u64, length).map_err(|limit| too_much(path, limit))
+}
+
+fn too_much(path: &Path, limit: TooMuch) -> RecordingError {
+    RecordingError::TooMuch { file: path.display().to_string(), limit }
+}
+
+fn refusal(path: &Path, refused: Refused) -> RecordingError {
+    match refused {
+        Refused::Damaged(what) => damaged(path, what),
+        Refused::TooMuch(limit) => too_much(path, limit),
+    }
 }
 
 /// All columns of numbers under their own names.
@@ -112,6 +194,11 @@ fn named(
     let mut left_out = Vec::new();
     for (at, field) in schema.fields().iter().enumerate() {
         let name = field.name().clone();
+        if schema.index_of(&name).is_ok_and(|first| first != at) {
+            let what = format!("the name {name:?} stands over two columns");
+            let remedy = "rename one, or map the columns by number (--columns)";
+            return Err(RecordingError::Container { file: file.into(), what, remedy });
+        }
         match field.data_type().is_numeric() || name == TIME {
             true => wanted.push(Wanted { at, name, scale: 1.0 }),
             false => left_out.push(name),
@@ -129,6 +216,7 @@ fn named(
         });
     };
     let time = wanted.remove(time);
+    refuse_other_than_numbers(schema, [&time], file)?;
     let scale = seconds_per_unit(schema.field(time.at).data_type());
     Ok((Wanted { scale, ..time }, wanted))
 }
@@ -156,7 +244,31 @@ fn mapped(
         .mapped()?
         .into_iter()
         .map(|m| Ok(Wanted { at: locate(&m.column)?, name: m.name, scale: m.scale }));
-    Ok((Wanted { at, name: TIME.into(), scale }, channels.collect::<Result<_, _>>()?))
+    let channels: Vec<Wanted> = channels.collect::<Result<_, _>>()?;
+    let time = Wanted { at, name: TIME.into(), scale };
+    refuse_other_than_numbers(schema, channels.iter().chain([&time]), file)?;
+    Ok((time, channels))
+}
+
+/// Text and lists are not read: how long they are, no page says.
+fn refuse_other_than_numbers<'w>(
+    schema: &Schema,
+    wanted: impl IntoIterator<Item = &'w Wanted>,
+    file: &str,
+) -> Result<(), RecordingError> {
+    let simple = |kind: &DataType| kind.is_primitive() || *kind == DataType::Boolean;
+    let fits = |kind: &DataType| match kind {
+        DataType::Dictionary(_, value) => simple(value),
+        kind => simple(kind),
+    };
+    let fields = wanted.into_iter().map(|w| schema.field(w.at));
+    let mut others = fields.filter(|field| !fits(field.data_type()));
+    others.next().map_or(Ok(()), |field| {
+        let (name, kind) = (field.name(), field.data_type());
+        let what = format!("column {name} holds {kind}, no numbers");
+        let remedy = "write it as numbers, or leave it out of the column map";
+        Err(RecordingError::Container { file: file.into(), what, remedy })
+    })
 }
 
 fn found(schema: &Schema) -> String {
@@ -202,11 +314,11 @@ fn extend(
     let numbers = arrow::array::AsArray::as_primitive::<Float64Type>(&numbers);
     for (k, value) in numbers.iter().enumerate() {
         match value {
-            Some(v) if v.is_finite() => column.push(v),
+            Some(v) if v.abs() <= LARGEST => column.push(v),
             Some(v) => {
                 return Err(wrong(
                     first + k + 1,
-                    format!("the value is {v}"),
+                    format!("the value is {v:e}, beyond anything an arm does"),
                     "mend or delete the row",
                 ));
             }
@@ -226,11 +338,6 @@ fn write(recording: &Recording, file: File) -> parquet::errors::Result<()> {
     let column = |name: &str| Field::new(name, DataType::Float64, false);
     let names = std::iter::once(TIME).chain(recording.channels.iter().map(|c| c.name.as_str()));
     let schema = Arc::new(Schema::new(names.map(column).collect::<Vec<_>>()));
-    let values =
-        std::iter::once(&recording.time).chain(recording.channels.iter().map(|c| &c.values));
-    let arrays: Vec<ArrayRef> =
-        values.map(|v| Arc::new(Float64Array::from(v.clone())) as ArrayRef).collect();
-    let batch = RecordBatch::try_new(schema.clone(), arrays)?;
     let note = |key: &str, value: &str| KeyValue::new(format!("armtwin.{key}"), value.to_string());
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::default()))
@@ -241,8 +348,15 @@ fn write(recording: &Recording, file: File) -> parquet::errors::Result<()> {
             note("source", &recording.provenance.source),
         ]))
         .build();
-    let mut out = ArrowWriter::try_new(file, schema, Some(properties))?;
-    out.write(&batch)?;
+    let mut out = ArrowWriter::try_new(file, schema.clone(), Some(properties))?;
+    for first in (0..recording.time.len()).step_by(ROWS_PER_BATCH) {
+        let rows = first..recording.time.len().min(first + ROWS_PER_BATCH);
+        let values =
+            std::iter::once(&recording.time).chain(recording.channels.iter().map(|c| &c.values));
+        let part =
+            |v: &Vec<f64>| Arc::new(Float64Array::from(v[rows.clone()].to_vec())) as ArrayRef;
+        out.write(&RecordBatch::try_new(schema.clone(), values.map(part).collect())?)?;
+    }
     out.close().map(drop)
 }
 

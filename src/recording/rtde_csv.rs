@@ -50,7 +50,7 @@ impl Format for RtdeCsv {
 }
 
 fn read(path: &Path) -> Result<Recording, RecordingError> {
-    let text = Text::open(path, &Layout::default())?;
+    let mut text = Text::open(path, &Layout::default())?;
     text.refuse_duplicates()?;
     let Some(names) = text.header.clone() else {
         let (file, row, columns) = (text.file, text.first_line, text.width);
@@ -66,7 +66,7 @@ fn read(path: &Path) -> Result<Recording, RecordingError> {
     };
     let mut wanted: Vec<usize> = (0..names.len()).filter(|c| *c != time).collect();
     wanted.insert(0, time);
-    let mut table = table::read(&text, &wanted)?;
+    let mut table = table::read(&mut text, &wanted)?;
     let mut columns = std::mem::take(&mut table.columns).into_iter();
     let recording = Recording {
         time: columns.next().unwrap_or_default(),

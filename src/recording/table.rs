@@ -1,10 +1,11 @@
-//! Rows of numbers in a text file -> columns. Chunks of lines are parsed in parallel; what is
-//! wrong with a cell is collected on the way and judged once, in [`Table::settle`].
+//! Rows of numbers in a text file -> columns. Of each block of lines chunks are parsed in parallel; what
+//! is wrong with a cell is collected on the way and judged once, in [`Table::settle`].
 
 use rayon::prelude::*;
 
 use super::RecordingError;
 use super::text::Text;
+use crate::limits::{self, ROWS, TooMuch};
 
 /// No quantity of an arm is larger; memory garbage in real logs is (1e254).
 const LARGEST: f64 = 1e12;
@@ -15,7 +16,7 @@ const MOST_LEADING_ROWS: usize = 100;
 const BYTES_PER_CHUNK: usize = 1 << 17;
 
 /// Numbers of the wanted columns.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Table {
     pub columns: Vec<Vec<f64>>,
     /// Line number (from 1) of every row.
@@ -50,21 +51,31 @@ struct Chunk {
 }
 
 /// Reads the columns `wanted` (from 0, the time column first) of every row of `text`.
-pub fn read(text: &Text, wanted: &[usize]) -> Result<Table, RecordingError> {
+pub fn read(text: &mut Text, wanted: &[usize]) -> Result<Table, RecordingError> {
     let mut slots = vec![None; text.width];
     for (slot, column) in wanted.iter().enumerate() {
         slots[*column] = Some(slot);
     }
-    let body = &text.bytes[text.body..];
-    let parse = |part: &[u8]| match text.delimiter.byte() {
+    let delimiter = text.delimiter.byte();
+    let parse = |part: &[u8]| match delimiter {
         b',' => parse_chunk::<b','>(part, &slots, wanted.len()),
         b'\t' => parse_chunk::<b'\t'>(part, &slots, wanted.len()),
         b';' => parse_chunk::<b';'>(part, &slots, wanted.len()),
         _ => parse_chunk::<b' '>(part, &slots, wanted.len()),
     };
-    let chunks: Vec<Chunk> = split_lines(body).into_par_iter().map(parse).collect();
-    let (mut table, faults) = join(chunks, wanted.len(), text.lines_before_body);
-    table.settle(text, faults)?;
+    let mut table = Table { columns: vec![Vec::new(); wanted.len()], ..Table::default() };
+    let (mut faults, mut line, mut finished) = (Vec::new(), text.lines_before_body + 1, true);
+    while !table.is_beyond_mending(&faults)
+        && let Some(lines) = text.next_lines()?
+    {
+        finished = lines.ends_with(b"\n");
+        let chunks: Vec<Chunk> = split_lines(lines).into_par_iter().map(parse).collect();
+        line = table.append(chunks, line, &mut faults);
+        table
+            .allow()
+            .map_err(|limit| RecordingError::TooMuch { file: text.file.clone(), limit })?;
+    }
+    table.settle(text, faults, finished)?;
     Ok(table)
 }
 
@@ -94,6 +105,9 @@ fn parse_chunk<const D: u8>(part: &[u8], slots: &[Option<usize>], wanted: usize)
             if let Err((column, kind)) = parse_row::<D>(line, slots, &mut chunk.columns) {
                 chunk.columns.iter_mut().for_each(|c| c.resize(row + 1, f64::NAN));
                 chunk.faults.push(Fault { row, column, kind });
+                if chunk.faults.len() > MOST_LEADING_ROWS + 1 {
+                    break;
+                }
             }
         }
         chunk.line_count += 1;
@@ -184,36 +198,47 @@ fn trim(line: &[u8]) -> &[u8] {
     &line[start..end]
 }
 
-/// The chunks' rows one after the other, with line numbers of the file.
-fn join(chunks: Vec<Chunk>, wanted: usize, lines_before: usize) -> (Table, Vec<Fault>) {
-    let mut lines = Vec::with_capacity(chunks.iter().map(|c| c.lines.len()).sum());
-    let mut faults = Vec::new();
-    let mut parts: Vec<Vec<Vec<f64>>> = Vec::with_capacity(chunks.len());
-    let mut first_line = lines_before + 1;
-    for chunk in chunks {
-        let first_row = lines.len();
-        faults.extend(chunk.faults.into_iter().map(|f| Fault { row: f.row + first_row, ..f }));
-        lines.extend(chunk.lines.iter().map(|l| first_line + l));
-        first_line += chunk.line_count;
-        parts.push(chunk.columns);
-    }
-    let column = |c: usize| {
-        let mut column = Vec::with_capacity(lines.len());
-        parts.iter().for_each(|part| column.extend_from_slice(&part[c]));
-        column
-    };
-    let columns = (0..wanted).into_par_iter().map(column).collect();
-    (Table { columns, lines, notes: Vec::new() }, faults)
-}
-
 impl Table {
     pub fn rows(&self) -> usize {
         self.lines.len()
     }
 
-    /// Drops a cut last line and leading garbage rows, with a note; refuses any other fault.
-    fn settle(&mut self, text: &Text, mut faults: Vec<Fault>) -> Result<(), RecordingError> {
-        self.drop_cut_last_line(text, &mut faults);
+    /// Adds the rows of chunks of which the first begins at `line`; returns the line after them.
+    fn append(&mut self, chunks: Vec<Chunk>, mut line: usize, faults: &mut Vec<Fault>) -> usize {
+        for chunk in &chunks {
+            self.lines.extend(chunk.lines.iter().map(|l| line + l));
+            line += chunk.line_count;
+        }
+        let mut first = self.columns.first().map_or(0, Vec::len);
+        self.columns.par_iter_mut().enumerate().for_each(|(c, column)| {
+            chunks.iter().for_each(|chunk| column.extend_from_slice(&chunk.columns[c]));
+        });
+        for chunk in chunks {
+            faults.extend(chunk.faults.into_iter().map(|f| Fault { row: f.row + first, ..f }));
+            first += chunk.lines.len();
+        }
+        line
+    }
+
+    fn allow(&self) -> Result<(), TooMuch> {
+        ROWS.allow(self.rows() as u64)?;
+        limits::NUMBERS.allow((self.rows() * self.columns.len()) as u64)
+    }
+
+    /// Is there a fault that is neither garbage at the start nor in a last line that may be cut?
+    fn is_beyond_mending(&self, faults: &[Fault]) -> bool {
+        faults.get(leading_garbage(faults)).is_some_and(|f| f.row + 1 < self.rows())
+    }
+
+    /// Drops a cut last line and leading garbage rows, with a note; refuses any other fault. Is the last
+    /// line `finished`, that is, has it an end?
+    fn settle(
+        &mut self,
+        text: &Text,
+        mut faults: Vec<Fault>,
+        finished: bool,
+    ) -> Result<(), RecordingError> {
+        self.drop_cut_last_line(text, &mut faults, finished);
         let leading = leading_garbage(&faults);
         if let Some(fault) = faults.get(leading) {
             let fault = if leading == MOST_LEADING_ROWS { &faults[0] } else { fault };
@@ -225,13 +250,12 @@ impl Table {
         Ok(())
     }
 
-    fn drop_cut_last_line(&mut self, text: &Text, faults: &mut Vec<Fault>) {
+    fn drop_cut_last_line(&mut self, text: &Text, faults: &mut Vec<Fault>, finished: bool) {
         let Some(last) = self.rows().checked_sub(1) else { return };
-        let unfinished = text.bytes.last() != Some(&b'\n');
         let short = faults.last().is_some_and(|f| {
             f.row == last && matches!(f.kind, FaultKind::Columns(n) if n < text.width)
         });
-        if !unfinished && !short {
+        if finished && !short {
             return;
         }
         faults.retain(|f| f.row != last);

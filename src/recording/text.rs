@@ -1,10 +1,10 @@
-//! A delimited text file in memory: gzip, byte order mark, header line and delimiter found out.
+//! A delimited text file: byte order mark, header line and delimiter found out.
 
-use std::io::Read;
 use std::path::Path;
 
 use super::RecordingError;
-use super::file::cannot;
+use super::blocks::Blocks;
+use crate::limits::COLUMNS;
 
 /// What separates columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -59,10 +59,8 @@ pub struct Layout {
 }
 
 /// A text file, its first line taken apart.
-#[derive(Debug)]
 pub struct Text {
     pub file: String,
-    pub bytes: Vec<u8>,
     pub delimiter: Delimiter,
     /// Column names, where the first line holds names.
     pub header: Option<Vec<String>>,
@@ -70,58 +68,60 @@ pub struct Text {
     pub width: usize,
     /// Line number (from 1) of the first line that is not blank.
     pub first_line: usize,
-    /// Where the numbers begin, and the number of lines before.
-    pub body: usize,
+    /// Number of lines before the numbers begin.
     pub lines_before_body: usize,
+    decimal_comma: bool,
+    rest: Blocks,
 }
 
 impl Text {
     pub fn open(path: &Path, layout: &Layout) -> Result<Self, RecordingError> {
-        let file = path.display().to_string();
-        Self::from_bytes(load(path)?, file, layout)
-    }
-
-    fn from_bytes(
-        mut bytes: Vec<u8>,
-        file: String,
-        layout: &Layout,
-    ) -> Result<Self, RecordingError> {
-        refuse_foreign_text(&bytes, &file)?;
-        let Some((start, end, line)) = first_line(&bytes, layout.skip_rows) else {
-            return Err(RecordingError::Empty { file });
-        };
-        let first = std::str::from_utf8(&bytes[start..end])
-            .map_err(|_| RecordingError::NotText { file: file.clone(), why: "other encoding" })?
-            .trim_start_matches(['\u{feff}', '#'])
-            .trim()
-            .to_string();
-        let delimiter = match layout.delimiter.or_else(|| detect(&first)) {
+        let mut rest = Blocks::open(path)?;
+        let file = rest.file.clone();
+        let first = first_line(&mut rest, layout.skip_rows)?;
+        let names = first.text.trim_start_matches(['\u{feff}', '#']).trim();
+        let delimiter = match layout.delimiter.or_else(|| detect(names)) {
             Some(delimiter) => delimiter,
             None => {
-                let start = first.chars().take(60).collect();
-                return Err(RecordingError::Delimiter { file, row: line, start });
+                let start = names.chars().take(60).collect();
+                return Err(RecordingError::Delimiter { file, row: first.number, start });
             }
         };
-        if layout.decimal_comma {
-            bytes[end..].iter_mut().filter(|b| **b == b',').for_each(|b| *b = b'.');
-        }
-        let cells = delimiter.split(&first);
+        let cells = delimiter.split(names);
+        COLUMNS.allow(cells.len() as u64).map_err(|limit| rest.too_much(limit))?;
         let header = is_header(&cells).then(|| {
             cells.iter().map(|c| c.trim_matches(['"', '\'']).trim().to_string()).collect::<Vec<_>>()
         });
         let width = cells.len();
-        let (body, lines_before_body) =
-            if header.is_some() { ((end + 1).min(bytes.len()), line) } else { (start, line - 1) };
-        if layout.decimal_comma && header.is_none() {
-            bytes[start..end].iter_mut().filter(|b| **b == b',').for_each(|b| *b = b'.');
+        let mark = if first.text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+        let body = if header.is_some() { first.end + 1 } else { first.start + mark };
+        rest.put_back(first.block, body);
+        let (first_line, decimal_comma) = (first.number, layout.decimal_comma);
+        let lines_before_body = first_line - usize::from(header.is_none());
+        Ok(Self {
+            file,
+            delimiter,
+            header,
+            width,
+            first_line,
+            lines_before_body,
+            decimal_comma,
+            rest,
+        })
+    }
+
+    /// The next whole lines with numbers.
+    pub fn next_lines(&mut self) -> Result<Option<&[u8]>, RecordingError> {
+        let Some(lines) = self.rest.next()? else { return Ok(None) };
+        if self.decimal_comma {
+            lines.iter_mut().filter(|b| **b == b',').for_each(|b| *b = b'.');
         }
-        let body = if header.is_none() && bytes[body..].starts_with(b"\xef\xbb\xbf") {
-            body + 3
-        } else {
-            body
-        };
-        let (first_line, lines_before_body) = (line, lines_before_body);
-        Ok(Self { file, bytes, delimiter, header, width, first_line, body, lines_before_body })
+        Ok(Some(lines))
+    }
+
+    /// Bytes of text that were read.
+    pub fn bytes(&self) -> u64 {
+        self.rest.bytes()
     }
 
     /// The name of column `c` (from 0) for a message: its header name, else its number from 1.
@@ -160,24 +160,6 @@ impl Text {
     }
 }
 
-/// Reads a file whole, through gzip where its first bytes say so.
-fn load(path: &Path) -> Result<Vec<u8>, RecordingError> {
-    let file = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(cannot(path, "read"))?;
-    if bytes.is_empty() {
-        return Err(RecordingError::Empty { file });
-    }
-    let named_gz = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
-    if !bytes.starts_with(&[0x1f, 0x8b]) && !named_gz {
-        return Ok(bytes);
-    }
-    let mut text = Vec::with_capacity(bytes.len() * 4);
-    match flate2::read::MultiGzDecoder::new(bytes.as_slice()).read_to_end(&mut text) {
-        Ok(_) => Ok(text),
-        Err(source) => Err(RecordingError::Gzip { file, source }),
-    }
-}
-
 fn refuse_foreign_text(bytes: &[u8], file: &str) -> Result<(), RecordingError> {
     let head = &bytes[..bytes.len().min(4096)];
     let why = match head {
@@ -188,18 +170,39 @@ fn refuse_foreign_text(bytes: &[u8], file: &str) -> Result<(), RecordingError> {
     Err(RecordingError::NotText { file: file.into(), why })
 }
 
-/// Start, end and number (from 1) of the first line after `skip` lines that is not blank.
-fn first_line(bytes: &[u8], skip: usize) -> Option<(usize, usize, usize)> {
-    let mut start = 0;
-    for line in 1.. {
-        let rest = bytes.get(start..).filter(|r| !r.is_empty())?;
-        let end = start + memchr::memchr(b'\n', rest).unwrap_or(rest.len());
-        if line > skip && !bytes[start..end].iter().all(u8::is_ascii_whitespace) {
-            return Some((start, end, line));
+/// A line of the block of text that came last.
+struct Line {
+    text: String,
+    /// From 1 in the file.
+    number: usize,
+    /// Where it begins and ends in the block, and the block's length.
+    start: usize,
+    end: usize,
+    block: usize,
+}
+
+/// The first line after `skip` lines that is not blank.
+fn first_line(from: &mut Blocks, skip: usize) -> Result<Line, RecordingError> {
+    let file = from.file.clone();
+    let mut number = 0;
+    while let Some(lines) = from.next()? {
+        if number == 0 {
+            refuse_foreign_text(lines, &file)?;
         }
-        start = end + 1;
+        let (mut start, block) = (0, lines.len());
+        while start < block {
+            let end = start + memchr::memchr(b'\n', &lines[start..]).unwrap_or(block - start);
+            let line = &lines[start..end];
+            number += 1;
+            if number > skip && !line.iter().all(u8::is_ascii_whitespace) {
+                let text = std::str::from_utf8(line)
+                    .map_err(|_| RecordingError::NotText { file, why: "other encoding" })?;
+                return Ok(Line { text: text.into(), number, start, end, block });
+            }
+            start = end + 1;
+        }
     }
-    None
+    Err(RecordingError::Empty { file })
 }
 
 /// Semicolons hint at decimal commas, which only the user can tell: never guessed.

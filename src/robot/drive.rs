@@ -3,6 +3,9 @@
 use super::RobotError;
 use crate::series::JointSeries;
 
+/// In SI units no quantity of a drive is larger, nor is its inverse.
+const LARGEST: f64 = 1e9;
+
 /// One entry per joint, base to wrist.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Drive {
@@ -93,7 +96,8 @@ impl Drive {
     /// Names the key of the twin's `[drive]` whose values are wrong, and the joint.
     pub fn check(&self, dof: usize) -> Result<(), RobotError> {
         let empty = Vec::new();
-        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let positive = |x: f64| x > 0.0 && x <= LARGEST;
+        let factor = |x: f64| positive(x) && x >= 1.0 / LARGEST;
         let keys: [(&str, &Vec<f64>, bool); 5] = [
             ("gear_ratio", &self.gear_ratio, true),
             ("torque_constant", &self.torque_constant, true),
@@ -108,10 +112,14 @@ impl Drive {
                     values.len()
                 )));
             }
-            let fine = |x: f64| positive(x) || (key == "rotor_inertia" && x == 0.0);
+            let fine = |x: f64| match key {
+                "rotor_inertia" => x == 0.0 || positive(x),
+                "gear_ratio" | "torque_constant" => factor(x),
+                _ => positive(x),
+            };
             if let Some(joint) = values.iter().position(|&x| !fine(x)) {
                 return Err(RobotError::Drive(format!(
-                    "{key} of joint {} is {}; give a positive number",
+                    "{key} of joint {} is {:e}; give a positive number of {LARGEST:e} at most",
                     joint + 1,
                     values[joint]
                 )));

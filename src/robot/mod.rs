@@ -4,6 +4,7 @@ mod drive;
 pub mod dynamics;
 mod error;
 mod model;
+pub mod plausible;
 pub mod spatial;
 pub mod tables;
 #[cfg(test)]

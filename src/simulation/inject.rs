@@ -129,6 +129,12 @@ fn in_range(effect: &str, p: &Parameter, value: f64, joint: usize) -> Result<f64
 }
 
 fn finite(effect: &str, p: &Parameter, value: f64) -> Result<f64, String> {
-    let message = || format!("effects.{effect}.{} = {value}: give a finite number", p.name);
-    value.is_finite().then_some(value).ok_or_else(message)
+    let Parameter { name, min, max, .. } = p;
+    let message = || {
+        format!(
+            "effects.{effect}.{name} = {value:e}: beyond its range ({min} to {max}) it may be a \
+             thousand times as large"
+        )
+    };
+    (!p.is_absurd(value)).then_some(value).ok_or_else(message)
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::inject::injections;
 use super::setup::{Clock, Setup};
 use super::{ControllerSettings, Noise, Quantisation, Thermal};
+use crate::limits::read_settings;
 use crate::motion::{Settings, Trajectory};
 use crate::robot::Chain;
 use crate::twin::{DriveTable, PerJoint, read_robot};
@@ -91,7 +92,7 @@ pub struct Experiment {
 impl Scenario {
     pub fn load(path: &Path) -> Result<Self, ScenarioError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|e| ScenarioError {
+        let text = read_settings(path).map_err(|e| ScenarioError {
             file: file.clone(),
             problem: format!("cannot read it: {e}; give the path of a scenario file (TOML)"),
         })?;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::TrialError;
 use crate::diagnosis::Settings;
 use crate::files::write_own;
+use crate::limits::read_settings;
 
 pub const FIT: &str = "fit.csv.gz";
 pub const CHECK: &str = "check.csv.gz";
@@ -29,7 +30,7 @@ impl Case {
     pub fn open(folder: &Path) -> Result<Self, TrialError> {
         let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let file = folder.join(SETTINGS);
-        let text = fs::read_to_string(&file).map_err(TrialError::io(&file, "read"))?;
+        let text = read_settings(&file).map_err(TrialError::io(&file, "read"))?;
         let settings = toml::from_str(&text).map_err(|e| TrialError::file(&file, e))?;
         Ok(Self { name, folder: folder.into(), settings })
     }

@@ -12,6 +12,7 @@ use super::truth::{SCHEMA, place, seen};
 use super::{Hidden, Kind, Seals, Strength, TrialError, Truth, seal};
 use crate::diagnosis::Settings;
 use crate::effects;
+use crate::limits::read_settings;
 use crate::twin::Twin;
 
 /// What a foreign maker calls files and effects.
@@ -47,7 +48,7 @@ impl Names {
     /// # Errors
     /// If the file cannot be read or has an unknown key.
     pub fn load(file: &Path) -> Result<Self, TrialError> {
-        let text = fs::read_to_string(file).map_err(TrialError::io(file, "read"))?;
+        let text = read_settings(file).map_err(TrialError::io(file, "read"))?;
         let mut names: Self = toml::from_str(&text).map_err(|e| TrialError::file(file, e))?;
         for (foreign, known) in Self::default().effects {
             names.effects.entry(foreign).or_insert(known);

@@ -10,7 +10,8 @@ use super::Twin;
 use super::parts::{DriveTable, PerJoint, named_from, read_robot};
 use crate::effects::{self, Parameter, Scope};
 use crate::files::write_whole;
-use crate::robot::{Chain, RobotError};
+use crate::limits::read_settings;
+use crate::robot::{Chain, RobotError, plausible};
 
 /// Names the file, and the key where there is one.
 #[derive(Debug, thiserror::Error)]
@@ -58,8 +59,8 @@ impl Twin {
     /// # Errors
     /// If the file cannot be read, is not TOML, has an unknown key, or a value does not fit.
     pub fn load(path: &Path) -> Result<Self, TwinError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| TwinError::Read { file: path.into(), source })?;
+        let text =
+            read_settings(path).map_err(|source| TwinError::Read { file: path.into(), source })?;
         Self::parse(&text, path)
     }
 
@@ -85,7 +86,29 @@ impl Twin {
         let effects = contents.twin.effects.unwrap_or_else(|| Self::default().effects);
         check_effects(&effects).map_err(wrong)?;
         let values = check_values(&contents.twin.values, &effects, robot.dof()).map_err(wrong)?;
-        Ok(Self { source, chain, robot, notes, drive, effects, values })
+        let twin = Self { source, chain, robot, notes, drive, effects, values };
+        twin.refuse_absurd_links().map_err(wrong)?;
+        Ok(twin)
+    }
+
+    /// With the loads and changes that are known, links are still like those of a machine.
+    fn refuse_absurd_links(&self) -> Result<(), Wrong> {
+        let wrong = |key: &str, joint: usize, problem: String| {
+            (format!("twin.values.{key}"), format!("is impossible: link {}'s {problem}", joint + 1))
+        };
+        for (joint, body) in self.robot.bodies.iter().enumerate() {
+            let change = self.values.get("link_mass").and_then(|v| v.get(joint)).unwrap_or(&0.0);
+            if body.inertia.mass + change <= 0.0 {
+                let mass = body.inertia.mass;
+                let problem = format!("mass of {mass} kg changes by {change} kg, nothing is left");
+                return Err(wrong("link_mass", joint, problem));
+            }
+        }
+        for (joint, body) in self.laden().bodies.iter().enumerate() {
+            let key = if joint + 1 == self.robot.dof() { "payload_mass" } else { "link_mass" };
+            plausible::body(&body.inertia).map_err(|e| wrong(key, joint, e))?;
+        }
+        Ok(())
     }
 
     /// The text of a `TWIN.toml` that [`Twin::parse`] reads back as the same twin.
@@ -179,8 +202,12 @@ fn check_value(parameter: &Parameter, values: &[f64], count: usize) -> Result<()
     }
     let signed = |v: f64| v >= 0.0 || parameter.min < 0.0;
     let positive = |v: f64| v > 0.0 || parameter.min <= 0.0;
-    match values.iter().find(|&&v| !(v.is_finite() && signed(v) && positive(v))) {
+    match values.iter().find(|&&v| parameter.is_absurd(v) || !(signed(v) && positive(v))) {
         None => Ok(()),
+        Some(v) if v.abs() >= 1e9 => Err(format!(
+            "has the value {v:e}; physical values are {} to {} {}",
+            parameter.min, parameter.max, parameter.unit
+        )),
         Some(v) => Err(format!(
             "has the value {v}; physical values are {} to {} {}",
             parameter.min, parameter.max, parameter.unit

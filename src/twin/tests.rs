@@ -63,6 +63,29 @@ fn bad_files_are_refused_by_key() {
     assert_refused("[twin.values]\nviscous = inf", &["twin.values.viscous", "inf"]);
 }
 
+/// Values a fit or a slip of units can give are read, others are not; links keep a mass.
+#[test]
+fn absurd_values_are_refused() {
+    let with = |effect: &str, values: &str| {
+        format!("[twin]\neffects = [\"{effect}\"]\n[twin.values]\n{values}")
+    };
+    assert_refused(&with("coulomb", "coulomb = 1e300"), &["twin.values.coulomb", "1e300"]);
+    let load = |kg: &str| {
+        let moments = "payload_moment_x = 0\npayload_moment_y = 0\npayload_moment_z = 0";
+        with("payload", &format!("payload_mass = {kg}\n{moments}"))
+    };
+    assert!(parse(&load("40")).is_ok(), "beyond the catalogue's range, but no nonsense");
+    assert_refused(&load("1e300"), &["twin.values.payload_mass"]);
+    let links = |kg: &str| {
+        let moments = "link_moment_x = 0\nlink_moment_y = 0\nlink_moment_z = 0";
+        with("link_inertia", &format!("link_mass = [0, {kg}, 0, 0, 0, 0]\n{moments}"))
+    };
+    assert!(parse(&links("-3")).is_ok());
+    assert_refused(&links("-80"), &["twin.values.link_mass", "link 2's mass", "nothing is left"]);
+    assert_refused("[drive]\ngear_ratio = 1e300", &["gear_ratio of joint 1", "1e9 at most"]);
+    assert_refused("[drive]\ntorque_constant = 1e-300", &["torque_constant of joint 1"]);
+}
+
 #[test]
 fn a_missing_file_is_named() {
     let message = Twin::load(Path::new("no/such.toml")).unwrap_err().to_string();

@@ -266,3 +266,56 @@ fn inspect_finds_what_effort_is_and_refuses_a_cut_bag() {
     let whole = bags.join("zstd.mcap");
     refused(folder.path(), &whole, &["--columns", text(&map)], &["topic \"/arm\"", "column map"]);
 }
+
+/// The reason is said once, whoever adds to it on the way.
+#[test]
+fn damaged_gzip_says_why_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = write(folder.path(), "a.csv", csv(50));
+    let packed = folder.path().join("b.csv.gz");
+    assert_eq!(armtwin(&["convert", text(&whole), "-o", text(&packed)]).code, 0);
+    let bytes = std::fs::read(&packed).unwrap();
+    let cut = write(folder.path(), "cut.csv.gz", &bytes[..bytes.len() / 2]);
+    let out = armtwin(&["inspect", text(&cut)]);
+    assert_eq!(out.code, 1);
+    assert_eq!(out.stderr.matches("incomplete deflate stream").count(), 1, "{}", out.stderr);
+    let folder_as_twin = text(folder.path());
+    let twin = armtwin(&["identify", text(&whole), "--twin", folder_as_twin]);
+    assert_eq!(twin.stderr.matches("os error").count(), 1, "{}", twin.stderr);
+}
+
+/// Small files that once took gigabytes, in a process that may have 1.5 GB in all, its libraries and
+/// threads included: one message, and no more is asked for.
+#[cfg(target_os = "linux")]
+#[test]
+fn small_files_do_not_take_gigabytes() {
+    use std::io::Write;
+    let folder = tempfile::tempdir().unwrap();
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    packed.write_all(b"timestamp,actual_q_0\n").unwrap();
+    let block = "1,2\n".repeat(100_000);
+    (0..200).for_each(|_| packed.write_all(block.as_bytes()).unwrap());
+    let rows = write(folder.path(), "rows.csv.gz", packed.finish().unwrap());
+    let magic = b"\x89MCAP0\r\n";
+    let announced = [&magic[..], &[6], &(1u64 << 30).to_le_bytes(), b"short"].concat();
+    let announced = write(folder.path(), "announced.mcap", announced);
+    let zeros = zstd::encode_all(std::io::Read::take(std::io::repeat(0), 250 << 20), 1).unwrap();
+    let mut chunk = vec![0; 16];
+    chunk.extend((250u64 << 20).to_le_bytes());
+    chunk.extend([0; 4]);
+    chunk.extend([4, 0, 0, 0]);
+    chunk.extend(b"zstd");
+    chunk.extend((zeros.len() as u64).to_le_bytes());
+    chunk.extend(zeros);
+    let bomb = [&magic[..], &[6], &(chunk.len() as u64).to_le_bytes(), &chunk].concat();
+    let bomb = write(folder.path(), "bomb.mcap", bomb.repeat(3));
+    for file in [&rows, &announced, &bomb] {
+        let program = env!("CARGO_BIN_EXE_armtwin");
+        let line =
+            format!("ulimit -v 1500000; RAYON_NUM_THREADS=2 '{program}' inspect '{}'", text(file));
+        let out = std::process::Command::new("sh").args(["-c", &line]).output().unwrap();
+        let error = String::from_utf8_lossy(&out.stderr);
+        assert_eq!(out.status.code(), Some(1), "{}: {error}", file.display());
+        assert_eq!(error.lines().count(), 1, "{error}");
+    }
+}

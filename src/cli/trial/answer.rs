@@ -89,7 +89,7 @@ fn answered(folder: &Path, out: &Path, again: bool) -> anyhow::Result<Done> {
             write_json(&file, &answer)?;
             (answer.failed, false)
         }
-        Err(why) => (Some(format!("{why:#}")), true),
+        Err(why) => (Some(crate::cli::in_words(&why.into())), true),
     };
     Ok(Done { case: name, kept: false, failed, unreadable })
 }

@@ -88,6 +88,9 @@ impl Slopes {
 
 fn slopes(arm: &Robot, q: &[Vec<f64>], effort: &[Vec<f64>]) -> Option<Slopes> {
     let samples = q[0].len();
+    if samples < 3 {
+        return None;
+    }
     let kept: Vec<usize> = (1..samples - 1).step_by(samples.div_ceil(MOST_SAMPLES)).collect();
     let mut gravity = vec![Vec::with_capacity(kept.len()); q.len()];
     let (mut workspace, mut torque) = (Workspace::new(arm), vec![0.0; q.len()]);

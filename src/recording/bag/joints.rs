@@ -44,6 +44,11 @@ impl Joints {
         self.logged.len()
     }
 
+    /// All signals' together.
+    pub fn columns(&self) -> usize {
+        self.signals.iter().map(Vec::len).sum()
+    }
+
     /// Takes a message; says what is wrong with it.
     pub fn add(&mut self, state: &JointState, logged: i64, map: &BagMap) -> Result<(), String> {
         if self.last.is_empty() || self.last != state.names {

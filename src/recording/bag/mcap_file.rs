@@ -1,82 +1,82 @@
-//! MCAP: chunked or not, compressed by lz4 or zstd; read as a stream, so that size does not matter.
+//! MCAP files: chunked or not, packed by lz4 or zstd; read as a stream, so that size does not matter.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
-use std::io::{BufWriter, Read};
+use std::io::{BufReader, BufWriter};
 use std::path::Path;
 
-use mcap::records::{MessageHeader, Record};
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::records::MessageHeader;
 use mcap::{Compression, McapError};
 
+use super::mcap_records::{self, Broken, Record};
 use super::message::definition;
 use super::topics::Topics;
 use super::{Outgoing, bad, cannot, unwritten};
 use crate::recording::RecordingError;
 
-const BYTES_PER_READ: usize = 1 << 18;
-/// Longer records are damage: the joints of an arm take some hundred bytes.
-const LARGEST_RECORD: usize = 1 << 30;
+const BYTES_PER_READ: usize = 1 << 16;
+
+/// What ends the reading of a file: its own damage, or what it says of the arm.
+enum Stop {
+    Broken(Broken),
+    Content(RecordingError),
+}
+
+impl From<Broken> for Stop {
+    fn from(broken: Broken) -> Self {
+        Self::Broken(broken)
+    }
+}
 
 pub fn read(path: &Path, topics: &mut Topics) -> Result<(), RecordingError> {
-    let mut file = File::open(path).map_err(cannot(path, "read"))?;
-    let options = LinearReaderOptions::default()
-        .with_validate_chunk_crcs(true)
-        .with_record_length_limit(LARGEST_RECORD);
-    let mut reader = LinearReader::new_with_options(options);
-    let mut schemas = HashMap::from([(0, String::new())]);
-    while let Some(event) = reader.next_event() {
-        match event.map_err(|e| broken(e, path, topics))? {
-            LinearReadEvent::ReadRequest(wanted) => {
-                let room = reader.insert(wanted.max(BYTES_PER_READ));
-                let count = file.read(room).map_err(cannot(path, "read"))?;
-                reader.notify_read(count);
-            }
-            LinearReadEvent::Record { data, opcode } => {
-                let record = mcap::parse_record(opcode, data);
-                take(record.map_err(|e| broken(e, path, topics))?, &mut schemas, topics)?;
-            }
-        }
-    }
-    Ok(())
+    let file = File::open(path).map_err(cannot(path, "read"))?;
+    let file = BufReader::with_capacity(BYTES_PER_READ, file);
+    let mut schemas = HashMap::new();
+    let done = mcap_records::read(file, |record| take(record, &mut schemas, topics));
+    done.map_err(|stop| match stop {
+        Stop::Content(error) => error,
+        Stop::Broken(broken) => refusal(broken, path, topics.joint_states()),
+    })
 }
 
 fn take(
     record: Record,
     schemas: &mut HashMap<u16, String>,
     topics: &mut Topics,
-) -> Result<(), RecordingError> {
+) -> Result<(), Stop> {
     match record {
-        Record::Schema { header, .. } => drop(schemas.insert(header.id, header.name)),
-        Record::Channel(channel) => {
-            let kind = schemas.get(&channel.schema_id).map_or("", String::as_str);
-            topics.add(channel.id.into(), &channel.topic, kind, &channel.message_encoding)?;
+        Record::Schema { id, name } => {
+            schemas.insert(id, name.into());
+            Ok(())
         }
-        Record::Message { header, data } if topics.wants(header.channel_id.into()) => {
-            topics.message(header.channel_id.into(), header.log_time as i64, &data)?;
+        Record::Channel { id, schema, topic, encoding } => {
+            let kind = schemas.get(&schema).map_or("", String::as_str);
+            topics.add(id.into(), topic, kind, encoding)
         }
-        _ => {}
+        Record::Message { channel, logged, data } if topics.wants(channel.into()) => {
+            topics.message(channel.into(), logged as i64, data)
+        }
+        Record::Message { .. } => Ok(()),
     }
-    Ok(())
+    .map_err(Stop::Content)
 }
 
-fn broken(error: McapError, path: &Path, topics: &Topics) -> RecordingError {
+/// After `count` joint states.
+fn refusal(broken: Broken, path: &Path, count: usize) -> RecordingError {
     let file = path.display().to_string();
-    let count = topics.joint_states();
-    match error {
-        McapError::BadMagic => {
+    let mend = "copy it again, or mend it with `mcap recover`";
+    match broken {
+        Broken::Magic => {
             bad(&file, "it does not begin or end as an MCAP file does".into(), "copy it again")
         }
-        McapError::UnexpectedEof => bad(
-            &file,
-            format!("the bag is cut off after {count} joint states"),
-            "copy it again, or mend it with `mcap recover`",
-        ),
-        error => bad(
-            &file,
-            format!("the bag is damaged after {count} joint states ({error})"),
-            "copy it again, or mend it with `mcap recover`",
-        ),
+        Broken::CutOff => {
+            bad(&file, format!("the bag is cut off after {count} joint states"), mend)
+        }
+        Broken::Damaged(what) => {
+            bad(&file, format!("the bag is damaged after {count} joint states ({what})"), mend)
+        }
+        Broken::TooMuch(limit) => RecordingError::TooMuch { file, limit },
+        Broken::Io(error) => cannot(path, "read")(error),
     }
 }
 

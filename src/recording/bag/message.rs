@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::io::Read;
 
 use super::cdr::{Malformed, Reader, Writer};
+use crate::limits::{Expansion, JOINTS, MESSAGE, TooMuch};
 
 pub const JOINT_STATE: &str = "sensor_msgs/msg/JointState";
 /// What of a recording has no place in a joint state.
@@ -11,18 +12,26 @@ pub const NUMBERS: &str = "std_msgs/msg/Float64MultiArray";
 
 /// A message that rosbag2 compressed by itself begins so.
 const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
-/// No joint state is longer.
-const LONGEST: u64 = 1 << 24;
 
 /// Of a message that may be compressed by itself, as rosbag2's compression mode "message" does.
-pub fn unpacked(message: &[u8]) -> Result<Cow<'_, [u8]>, Malformed> {
+pub fn unpacked<'m>(
+    message: &'m [u8],
+    expansion: &mut Expansion,
+) -> Result<Cow<'m, [u8]>, Malformed> {
+    let limited = |e: TooMuch| Malformed(e.to_string());
+    MESSAGE.allow(message.len() as u64).map_err(limited)?;
     if !message.starts_with(&ZSTD) {
         return Ok(Cow::Borrowed(message));
     }
     let mut plain = Vec::new();
-    let unpacker = zstd::stream::read::Decoder::new(message);
-    match unpacker.and_then(|unpacker| unpacker.take(LONGEST).read_to_end(&mut plain)) {
-        Ok(_) => Ok(Cow::Owned(plain)),
+    let unpacker = zstd::stream::read::Decoder::with_buffer(message);
+    let most = MESSAGE.most + 1;
+    match unpacker.and_then(|unpacker| unpacker.take(most).read_to_end(&mut plain)) {
+        Ok(length) => {
+            MESSAGE.allow(length as u64).map_err(limited)?;
+            expansion.make(length as u64).map_err(limited)?;
+            Ok(Cow::Owned(plain))
+        }
         Err(error) => Err(Malformed(format!("its compression is damaged ({error})"))),
     }
 }
@@ -94,6 +103,7 @@ impl<'a> JointState<'a> {
 
     fn lengths_agree(&self) -> Result<(), Malformed> {
         let names = self.names.len();
+        JOINTS.allow(names as u64).map_err(|e| Malformed(e.to_string()))?;
         let fields =
             [("position", &self.position), ("velocity", &self.velocity), ("effort", &self.effort)];
         match fields.iter().find(|(_, v)| !v.is_empty() && v.len() != names) {

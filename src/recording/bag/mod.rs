@@ -8,6 +8,7 @@ mod effort;
 mod joints;
 mod map;
 mod mcap_file;
+mod mcap_records;
 mod message;
 mod names;
 mod outgoing;

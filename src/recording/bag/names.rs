@@ -1,5 +1,7 @@
 //! Which of a message's joints are the arm's, base to wrist, whatever their order.
 
+use std::collections::{BTreeMap, HashMap};
+
 use crate::robot::tables::JOINTS as UR;
 
 /// Fewer numbered joints may be a gripper's.
@@ -42,10 +44,11 @@ fn listed(names: &[&str], wanted: &[String]) -> Result<Option<Vec<usize>>, Strin
 
 fn by_manufacturer(names: &[&str]) -> Result<Option<Vec<usize>>, String> {
     let prefixes = names.iter().filter_map(|n| n.strip_suffix(UR[0]));
+    // Of equal names the first.
+    let places: HashMap<&str, usize> =
+        names.iter().enumerate().rev().map(|(k, n)| (*n, k)).collect();
     let joints = |prefix: &str| -> Option<Vec<usize>> {
-        let at = |ending: &&str| {
-            names.iter().position(|n| n.strip_prefix(prefix).is_some_and(|n| n == *ending))
-        };
+        let at = |ending: &&str| places.get(format!("{prefix}{ending}").as_str()).copied();
         UR.iter().map(at).collect()
     };
     let mut arms: Vec<(&str, Vec<usize>)> =
@@ -62,20 +65,17 @@ fn by_manufacturer(names: &[&str]) -> Result<Option<Vec<usize>>, String> {
 
 /// `joint_1`, `joint_2`, ... or `arm_a0_link`, `arm_a1_link`, ...: one number that counts up.
 fn numbered(names: &[&str]) -> Result<Option<Vec<usize>>, String> {
-    let mut groups: Vec<(String, Vec<(u32, usize)>)> = Vec::new();
+    let mut groups: BTreeMap<String, Vec<(u32, usize)>> = BTreeMap::new();
     for (at, name) in names.iter().enumerate() {
-        let Some((pattern, number)) = split_number(name) else { continue };
-        match groups.iter_mut().find(|(p, _)| *p == pattern) {
-            Some((_, members)) => members.push((number, at)),
-            None => groups.push((pattern, vec![(number, at)])),
+        if let Some((pattern, number)) = split_number(name) {
+            groups.entry(pattern).or_default().push((number, at));
         }
     }
-    groups.iter_mut().for_each(|(_, members)| members.sort_unstable());
-    let enough = |(pattern, members): &(String, Vec<(u32, usize)>)| {
-        members.len() >= FEWEST_NUMBERED || pattern == OWN
-    };
-    groups.retain(|group| enough(group) && counts_up(&group.1));
-    match groups.as_slice() {
+    groups.values_mut().for_each(|members| members.sort_unstable());
+    groups.retain(|pattern, members| {
+        (members.len() >= FEWEST_NUMBERED || pattern == OWN) && counts_up(members)
+    });
+    match groups.into_iter().collect::<Vec<_>>().as_slice() {
         [] => Ok(None),
         [(_, members)] => Ok(Some(members.iter().map(|(_, at)| *at).collect())),
         several => {

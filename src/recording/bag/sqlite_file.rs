@@ -4,17 +4,24 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use rusqlite::{Connection, OpenFlags, params};
+use rusqlite::limits::Limit;
+use rusqlite::{Connection, ErrorCode, OpenFlags, OptionalExtension, params};
 
 use super::topics::Topics;
 use super::{Outgoing, bad, cannot};
+use crate::limits::{CHUNK, Expansion, STEPS, TooMuch};
 use crate::recording::RecordingError;
 
+/// What any bag may take.
+const FEW_STEPS: u64 = 100_000;
+/// Between two looks at how many they were.
+const STEPS_PER_LOOK: u64 = 1_000;
+
 pub fn read(path: &Path, topics: &mut Topics) -> Result<(), RecordingError> {
-    refuse_short(path)?;
+    let length = refuse_short(path)?;
+    let database = open(path, length).map_err(|e| broken(&e, path, 0))?;
+    ["topics", "messages"].iter().try_for_each(|table| refuse_made_up(&database, table, path))?;
     let wrong = |e: rusqlite::Error| broken(&e, path, topics.joint_states());
-    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let database = Connection::open_with_flags(path, flags).map_err(wrong)?;
     let mut wanted = Vec::new();
     {
         let query = "SELECT id, name, type, serialization_format FROM topics";
@@ -30,11 +37,49 @@ pub fn read(path: &Path, topics: &mut Topics) -> Result<(), RecordingError> {
             }
         }
     }
-    messages(&database, &wanted.join(","), path, topics)
+    let mut expansion = Expansion::default();
+    expansion.take(length);
+    messages(&database, &wanted.join(","), path, topics, expansion)
+}
+
+/// Opens a bag of `length` bytes as sqlite.org/security.html advises for files of others: no functions
+/// in its schema, and an end to work that the file does not account for.
+fn open(path: &Path, length: u64) -> rusqlite::Result<Connection> {
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let mut database = Connection::open_with_flags(path, flags)?;
+    database.pragma_update(None, "trusted_schema", false)?;
+    database.pragma_update(None, "cell_size_check", true)?;
+    database.set_limit(Limit::SQLITE_LIMIT_LENGTH, CHUNK.most as i32)?;
+    let mut left = FEW_STEPS.max(length.saturating_mul(STEPS.most)) / STEPS_PER_LOOK;
+    let look = move || {
+        left = left.saturating_sub(1);
+        left == 0
+    };
+    database.progress_handler(STEPS_PER_LOOK as i32, Some(look))?;
+    Ok(database)
+}
+
+/// A view or a generated column can make rows without end out of nothing.
+fn refuse_made_up(database: &Connection, table: &str, path: &Path) -> Result<(), RecordingError> {
+    let ask = |query: &str| -> rusqlite::Result<Option<String>> {
+        database.query_row(query, [table], |row| row.get(0)).optional()
+    };
+    let kind = ask("SELECT type FROM pragma_table_list WHERE name = ?1");
+    let kind = kind.map_err(|e| broken(&e, path, 0))?;
+    let made = ask("SELECT name FROM pragma_table_xinfo(?1) WHERE hidden > 0");
+    let made = made.map_err(|e| broken(&e, path, 0))?;
+    let what = match (kind.as_deref(), made) {
+        (None, _) | (Some("table"), None) => return Ok(()),
+        (Some("table"), Some(column)) => format!("column {column} of {table} is computed"),
+        (Some(kind), _) => format!("{table} is a {kind}, no table"),
+    };
+    let file = path.display().to_string();
+    Err(bad(&file, what, "copy the messages into a plain bag (ros2 bag convert)"))
 }
 
 /// SQLite takes zeros for what a cut file lacks of its last page; its header says how long it was.
-fn refuse_short(path: &Path) -> Result<(), RecordingError> {
+/// Returns how long it is.
+fn refuse_short(path: &Path) -> Result<u64, RecordingError> {
     let mut header = [0; 100];
     let mut file = File::open(path).map_err(cannot(path, "read"))?;
     let length = file.metadata().map_err(cannot(path, "read"))?.len();
@@ -45,7 +90,7 @@ fn refuse_short(path: &Path) -> Result<(), RecordingError> {
     };
     let pages = u32::from_be_bytes([header[28], header[29], header[30], header[31]]);
     if whole && length >= page * u64::from(pages) {
-        return Ok(());
+        return Ok(length);
     }
     let what = format!("the bag is cut off: {length} of {} bytes", page * u64::from(pages));
     Err(bad(&path.display().to_string(), what, "copy it again"))
@@ -56,6 +101,7 @@ fn messages(
     wanted: &str,
     path: &Path,
     topics: &mut Topics,
+    mut expansion: Expansion,
 ) -> Result<(), RecordingError> {
     let query = format!(
         "SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN ({wanted}) \
@@ -71,11 +117,15 @@ fn messages(
         let logged: i64 = row.get(1).map_err(|e| wrong(&e))?;
         let data = row.get_ref(2).map_err(|e| wrong(&e))?;
         let data = data.as_blob().map_err(|e| wrong(&e.into()))?;
+        expansion.make(data.len() as u64).map_err(|limit| too_much(limit, path))?;
         topics.message(topic as u64, logged, data)?;
     }
 }
 
 fn broken(error: &rusqlite::Error, path: &Path, count: usize) -> RecordingError {
+    if error.sqlite_error_code() == Some(ErrorCode::OperationInterrupted) {
+        return too_much(TooMuch(&STEPS), path);
+    }
     let file = path.display().to_string();
     let text = error.to_string();
     if text.contains("no such table") || text.contains("no such column") {
@@ -83,6 +133,10 @@ fn broken(error: &rusqlite::Error, path: &Path, count: usize) -> RecordingError 
     }
     let what = format!("the bag is cut off or damaged after {count} joint states ({text})");
     bad(&file, what, "copy it again, or mend it with `sqlite3 FILE .recover`")
+}
+
+fn too_much(limit: TooMuch, path: &Path) -> RecordingError {
+    RecordingError::TooMuch { file: path.display().to_string(), limit }
 }
 
 const TABLES: &str = "

@@ -5,13 +5,23 @@ use std::collections::HashMap;
 use super::cdr::Malformed;
 use super::message::{JOINT_STATE, JointState, NUMBERS, decode_numbers, unpacked};
 use super::{BagMap, OWN_TOPICS, bad};
+use crate::limits::{self, COLUMNS, Expansion, ROWS, TOPICS, TooMuch};
 use crate::recording::RecordingError;
 use crate::recording::bag::joints::Joints;
+
+/// Characters; ROS types have some thirty.
+const LONGEST_KIND: usize = 200;
 
 pub struct Topics<'m> {
     pub file: String,
     map: &'m BagMap,
     topics: Vec<Topic>,
+    /// By name, where among the topics.
+    known: HashMap<String, usize>,
+    /// Of the arm, so far.
+    kept: usize,
+    /// Of packed messages.
+    expansion: Expansion,
     /// Of the file being read: its number of a topic -> ours.
     numbers: HashMap<u64, usize>,
 }
@@ -40,7 +50,15 @@ pub struct Numbers {
 
 impl<'m> Topics<'m> {
     pub fn new(file: String, map: &'m BagMap) -> Self {
-        Self { file, map, topics: Vec::new(), numbers: HashMap::new() }
+        Self {
+            file,
+            map,
+            topics: Vec::new(),
+            known: HashMap::new(),
+            kept: 0,
+            expansion: Expansion::default(),
+            numbers: HashMap::new(),
+        }
     }
 
     /// A bag may go on in another file, which numbers its topics anew.
@@ -62,13 +80,16 @@ impl<'m> Topics<'m> {
         kind: &str,
         encoding: &str,
     ) -> Result<(), RecordingError> {
-        let known = self.topics.iter().position(|t| t.name == name);
-        let at = match known {
-            Some(at) => at,
+        let at = match self.known.get(name) {
+            Some(at) => *at,
             None => {
                 let content = self.content(name, kind, encoding)?;
-                let topic = Topic { name: name.into(), kind: kind.into(), messages: 0, content };
+                // A kind may be the same for many topics, and as long as a file.
+                let kind = kind.chars().take(LONGEST_KIND).collect();
+                let topic = Topic { name: name.into(), kind, messages: 0, content };
                 self.topics.push(topic);
+                TOPICS.allow(self.topics.len() as u64).map_err(|e| self.too_much(e))?;
+                self.known.insert(name.into(), self.topics.len() - 1);
                 self.topics.len() - 1
             }
         };
@@ -105,18 +126,28 @@ impl<'m> Topics<'m> {
             return Ok(());
         };
         topic.messages += 1;
-        let taken = unpacked(data).and_then(|data| match &mut topic.content {
+        self.expansion.take(data.len() as u64);
+        let before = topic.content.numbers();
+        let taken = unpacked(data, &mut self.expansion).and_then(|data| match &mut topic.content {
             Content::Joints(joints) => JointState::decode(&data)
                 .and_then(|state| joints.add(&state, logged, self.map).map_err(Malformed)),
             Content::Numbers(numbers) => numbers.add(logged, &data),
             Content::Other => Ok(()),
         });
+        self.kept += topic.content.numbers() - before;
+        let rows = topic.content.rows() as u64;
         taken.map_err(|Malformed(what)| RecordingError::Message {
             file: self.file.clone(),
             topic: topic.name.clone(),
             message: topic.messages,
             what,
-        })
+        })?;
+        let few = ROWS.allow(rows).and_then(|()| limits::NUMBERS.allow(self.kept as u64));
+        few.map_err(|limit| self.too_much(limit))
+    }
+
+    fn too_much(&self, limit: TooMuch) -> RecordingError {
+        RecordingError::TooMuch { file: self.file.clone(), limit }
     }
 
     /// The one topic with the arm's joint states, its name, and the columns written beside it.
@@ -170,9 +201,29 @@ impl<'m> Topics<'m> {
     }
 }
 
+impl Content {
+    fn rows(&self) -> usize {
+        match self {
+            Self::Joints(joints) => joints.samples(),
+            Self::Numbers(numbers) => numbers.logged.len(),
+            Self::Other => 0,
+        }
+    }
+
+    /// What is kept, clocks included.
+    fn numbers(&self) -> usize {
+        match self {
+            Self::Joints(joints) => joints.samples() * (joints.columns() + 2),
+            Self::Numbers(numbers) => numbers.logged.len() * (numbers.columns.len() + 1),
+            Self::Other => 0,
+        }
+    }
+}
+
 impl Numbers {
     fn add(&mut self, logged: i64, data: &[u8]) -> Result<(), Malformed> {
         let (label, values) = decode_numbers(data)?;
+        COLUMNS.allow(values.len() as u64).map_err(|e| Malformed(e.to_string()))?;
         if self.columns.is_empty() {
             self.label = label.into();
             self.columns = vec![Vec::new(); values.len()];

@@ -6,6 +6,7 @@ use super::elements::{Joint, Kind};
 use super::notes::{Notes, listed};
 use super::tip;
 use super::tree::Tree;
+use crate::limits::ARM;
 use crate::robot::RobotError;
 
 /// What a user says about it, by the names of links. Left out, the base is the root and the tip the
@@ -48,6 +49,8 @@ impl Chain {
         };
         let joints = joints(tree, base, tip)?;
         joints.iter().try_for_each(|joint| refuse_stranger(joint, &joints))?;
+        let turning = joints.iter().filter(|j| j.turns()).count();
+        ARM.allow(turning as u64).map_err(|e| tree.file.structure(e.to_string()))?;
         if !joints.iter().any(|j| j.turns()) {
             let place = match tip == base {
                 true => format!("below `{base}`"),

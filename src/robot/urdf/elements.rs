@@ -7,9 +7,10 @@ use roxmltree::Node;
 use super::file::File;
 use super::notes::Notes;
 use super::xml::children;
-use crate::robot::{Placement, RobotError};
+use crate::limits::LINKS;
+use crate::robot::{Placement, RobotError, plausible};
 
-/// In SI units nothing about an arm is larger, and the squares of what is can be computed with.
+/// The squares of what is not larger can be computed with.
 const LARGEST: f64 = 1e15;
 
 #[derive(Debug, Clone, Copy)]
@@ -71,6 +72,8 @@ pub(super) fn read<'a>(
     file: File<'a>,
     robot: Node<'a, 'a>,
 ) -> Result<(Vec<Link<'a>>, Vec<Joint<'a>>), RobotError> {
+    let count = children(robot, "link").chain(children(robot, "joint")).count();
+    LINKS.allow(count as u64).map_err(|e| file.structure(e.to_string()))?;
     let links = children(robot, "link")
         .map(|node| named(file, "link", node).map(|element| Link { name: element.name, element }));
     let joints =
@@ -155,6 +158,7 @@ impl<'a> Element<'a> {
                 Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z)
             }
         };
+        plausible::offset(&translation).map_err(|e| self.wrong(format!("its <origin> {e}")))?;
         if !rotation.matrix().iter().all(|x| x.is_finite()) {
             return Err(self.wrong("its <origin> has a quaternion of zeros; correct it"));
         }
@@ -189,6 +193,9 @@ impl<'a> Element<'a> {
                     notes.of(self.kind, self.name, text);
                 }
                 Ok(numbers)
+            }
+            None if tag == "mass" => {
+                Err(self.not_numbers(tag, attribute, text, "a finite number of kilograms"))
             }
             None if N == 1 => Err(self.not_numbers(tag, attribute, text, "a finite number")),
             None => Err(self.not_numbers(tag, attribute, text, &format!("{N} finite numbers"))),

@@ -5,14 +5,9 @@ use roxmltree::Node;
 
 use super::elements::{Element, Link};
 use super::notes::Notes;
+use crate::robot::plausible::{self, Moments, ROUNDING, WIDEST_M};
 use crate::robot::{Inertia, RobotError};
 
-/// Shares of the largest principal moment. Others that far below zero are a small slip, ...
-const SLIGHT: f64 = 0.05;
-/// ... that far rounding, ...
-const ROUNDING: f64 = 1e-9;
-/// ... and numbers printed with two digits break the triangle inequality by that much.
-const PRINTED: f64 = 0.01;
 /// kg/m^3, aluminium: hardly a link is denser.
 const DENSITY: f64 = 2700.0;
 
@@ -41,7 +36,20 @@ pub(super) fn read(link: &Link, chain: bool, notes: &mut Notes) -> Result<Inerti
             Matrix3::zeros()
         }
     };
+    note_wide(link.name, mass, &about_com, notes);
     Ok(Inertia { mass, com: Vector3::zeros(), about_com }.seen_from(&at))
+}
+
+/// Moments in kg.mm2 are a million times too large.
+fn note_wide(link: &str, mass: f64, about_com: &Matrix3<f64>, notes: &mut Notes) {
+    let radius = (about_com.trace() / 2.0 / mass).sqrt();
+    if mass > 0.0 && radius > WIDEST_M {
+        let text = format!(
+            "with {mass} kg its inertia tensor is that of masses {radius:.0} m away; are its units \
+             kg.m2? taken as written"
+        );
+        notes.of("link", link, text);
+    }
 }
 
 fn mass<'a>(
@@ -52,9 +60,7 @@ fn mass<'a>(
     let mass = element.only(inertial, "mass", notes).and_then(|m| m.attribute("value"));
     let mass = mass.ok_or_else(|| element.wrong("its <inertial> has no <mass value>; add it"))?;
     let [mass] = element.numbers("mass", "value", mass, notes)?;
-    if mass < 0.0 {
-        return Err(element.wrong(format!("its mass is {mass} kg; give a positive mass")));
-    }
+    plausible::mass(mass).map_err(|e| element.wrong(format!("its {e}")))?;
     Ok(mass)
 }
 
@@ -89,29 +95,33 @@ enum Tensor {
     Wrong(String),
 }
 
-/// Principal moments are positive, and no two are less than the third together.
 fn check(tensor: &Matrix3<f64>) -> Tensor {
     let mut principal = tensor.symmetric_eigen();
-    let [least, middle, most] = sorted(&principal.eigenvalues);
-    let largest = principal.eigenvalues.amax();
+    let sorted @ [least, middle, most] = sorted(&principal.eigenvalues);
     let eigenvalues = format!("(eigenvalues {least:.3e}, {middle:.3e}, {most:.3e} kg.m2)");
-    if least < -SLIGHT * largest {
-        return Tensor::Wrong(format!("inertia tensor is not positive definite {eigenvalues}"));
+    match plausible::moments(sorted) {
+        Moments::Possible => Tensor::Sound,
+        Moments::Indefinite => {
+            Tensor::Wrong(format!("inertia tensor is not positive definite {eigenvalues}"))
+        }
+        Moments::SlightlyNegative => {
+            principal.eigenvalues.apply(|e| *e = e.max(0.0));
+            let problem = "inertia tensor is not quite positive definite";
+            let problem = format!("{problem} {eigenvalues}; what is negative is taken as 0");
+            Tensor::Slip(problem, principal.recompose())
+        }
+        Moments::Unequal => {
+            let problem = format!(
+                "inertia tensor {eigenvalues} breaks the triangle inequality, no rigid body has \
+                 it; taken as written"
+            );
+            Tensor::Slip(problem, *tensor)
+        }
+        Moments::Absurd(times) => Tensor::Wrong(plausible::absurd(times, &eigenvalues)),
+        Moments::Huge => {
+            Tensor::Wrong(format!("inertia tensor {eigenvalues} is that of no machine"))
+        }
     }
-    if least < -ROUNDING * largest {
-        principal.eigenvalues.apply(|e| *e = e.max(0.0));
-        let problem = "inertia tensor is not quite positive definite";
-        let problem = format!("{problem} {eigenvalues}; what is negative is taken as 0");
-        return Tensor::Slip(problem, principal.recompose());
-    }
-    if least + middle < most * (1.0 - PRINTED) {
-        let problem = format!(
-            "inertia tensor {eigenvalues} breaks the triangle inequality, no rigid body has it; \
-             taken as written"
-        );
-        return Tensor::Slip(problem, *tensor);
-    }
-    Tensor::Sound
 }
 
 /// Simulation needs positive principal moments of every body that moves; those that are not become

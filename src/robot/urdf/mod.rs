@@ -6,6 +6,7 @@ mod elements;
 mod file;
 mod inertia;
 mod limits;
+mod markup;
 mod notes;
 mod read;
 #[cfg(test)]

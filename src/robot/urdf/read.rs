@@ -12,6 +12,7 @@ use super::file::File;
 use super::notes::{Notes, listed};
 use super::tree::Tree;
 use super::{inertia, limits, xml};
+use crate::limits::{DESCRIPTION, read_small};
 use crate::robot::{Body, GRAVITY, Placement, Robot, RobotError};
 
 /// Frames that users mean by the flange, best first.
@@ -40,8 +41,8 @@ impl Loaded {
 /// # Errors
 /// One message naming the file, and the link or joint that is wrong.
 pub fn read_file(path: &FilePath, chain: &Chain) -> Result<Loaded, RobotError> {
-    let bytes =
-        std::fs::read(path).map_err(|cause| RobotError::Read { file: path.into(), cause })?;
+    let bytes = read_small(path, &DESCRIPTION)
+        .map_err(|cause| RobotError::Read { file: path.into(), cause })?;
     // Comments and names in old files are in Latin-1.
     read(&String::from_utf8_lossy(&bytes), &path.display().to_string(), chain)
 }
@@ -51,7 +52,8 @@ pub fn read_file(path: &FilePath, chain: &Chain) -> Result<Loaded, RobotError> {
 /// # Errors
 /// As [`read_file`].
 pub fn read(text: &str, file: &str, chain: &Chain) -> Result<Loaded, RobotError> {
-    let (file, text) = (File(file), xml::repaired(text));
+    let file = File(file);
+    let text = xml::repaired(text, file)?;
     let document = xml::parse(&text, file)?;
     let (links, joints) = elements::read(file, document.root_element())?;
     let tree = Tree::new(file, &links, &joints)?;

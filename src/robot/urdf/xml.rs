@@ -3,23 +3,28 @@
 use roxmltree::{Document, Error, Node, ParsingOptions};
 
 use super::file::File;
+use super::markup;
 use super::notes::{Notes, listed};
 use crate::robot::RobotError;
 
 /// More undeclared prefixes than any file has.
-const MOST_PREFIXES: usize = 64;
+const MOST_PREFIXES: usize = 32;
 
 /// The text as [`parse`] takes it: ROS's parser does not mind dashes in comments, something before
 /// the XML declaration, and prefixes nobody declared.
-pub(super) fn repaired(text: &str) -> String {
+///
+/// # Errors
+/// If reading it as XML would take more than it is worth.
+pub(super) fn repaired(text: &str, file: File) -> Result<String, RobotError> {
     let text = text.trim_start_matches('\u{feff}');
     let mut text = blanked(&blanked(text, "<!--", "-->"), "<?xml ", "?>");
+    markup::refuse_excess(&text).map_err(|what| file.structure(what))?;
     for _ in 0..MOST_PREFIXES {
         let Err(Error::UnknownNamespace(prefix, _)) = document(&text) else { break };
         let Some(at) = text.find("<robot") else { break };
         text.insert_str(at + "<robot".len(), &format!(" xmlns:{prefix}=\"{prefix}\""));
     }
-    text
+    Ok(text)
 }
 
 /// Every stretch from `open` to `close` as blanks; lines stay where they are.

@@ -8,6 +8,7 @@ use super::grid::{Cell, Grid, Method, System};
 use crate::diagnosis;
 use crate::effects;
 use crate::identification::{PAPER_LAW, Terms, adaptive_metropolis, pso};
+use crate::limits::read_settings;
 use crate::motor;
 use crate::robot::builtin;
 use crate::simulation::Scenario;
@@ -71,7 +72,7 @@ impl Study {
     /// # Errors
     /// If the file cannot be read or is no study.
     pub fn load(path: &Path) -> Result<Self, StudyError> {
-        let text = std::fs::read_to_string(path).map_err(StudyError::io(path, "read"))?;
+        let text = read_settings(path).map_err(StudyError::io(path, "read"))?;
         Self::parse(&text, path)
     }
 

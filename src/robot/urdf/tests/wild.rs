@@ -247,6 +247,70 @@ fn tensors_that_are_slightly_off_are_read_and_others_refused() {
     );
 }
 
+/// What is published and not possible is read (a rod of which one moment is given, one moment a decimal
+/// point off); what is no slip any more is not.
+#[test]
+fn absurd_links_are_refused() {
+    let toy = loaded(&with_tensor(0.0, 0.0, 1.0));
+    assert_says(&["breaks the triangle inequality", "taken as written"], &toy.notes.join("\n"));
+    let point = loaded(&with_tensor(0.01, 0.01, 0.2));
+    assert_one_note(&point, &["breaks the triangle inequality", "taken as written"]);
+    let absurd = refusal(&with_tensor(0.01, 0.01, 1.28));
+    assert_says(&["link `upper`", "triangle inequality 64-fold", "correct <inertia>"], &absurd);
+    assert_says(&["that of no machine"], &refusal(&with_tensor(1e9, 1e9, 1e9)));
+    let heavy = |kg: &str| refusal(&sound().replace("value=\"2\"", &format!("value=\"{kg}\"")));
+    for kg in ["1e300", "1e9", "inf", "nan", "-2"] {
+        assert_says(&["link `upper`", "mass"], &heavy(kg));
+    }
+    assert_says(&["no link weighs more than 1e6 kg"], &heavy("1e9"));
+    let far = refusal(&arm("ORIGIN", "<origin xyz=\"1e9 0 0\"/>"));
+    assert_says(&["joint `pan`", "1.0e9 m away"], &far);
+    let millimetres = loaded(&with_tensor(2e4, 2e4, 1e4));
+    assert_one_note(&millimetres, &["masses 112 m away", "are its units kg.m2"]);
+}
+
+/// Links of 2 kg with hardly any inertia, and dummies of nothing at all.
+#[test]
+fn published_placeholders_are_read() {
+    let dummy = "<link name=\"tcp\"><inertial><mass value=\"0\"/><inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" \
+                 iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial></link><joint name=\"clip\" type=\"fixed\">\
+                 <parent link=\"lower\"/><child link=\"tcp\"/></joint></robot>";
+    let text = sound().replace("</robot>", dummy);
+    assert_eq!(loaded(&text).robot.bodies[1].inertia.mass, 2.0);
+    assert_eq!(loaded(&with_tensor(1e-6, 1e-6, 1e-6)).notes, [""; 0]);
+    assert_eq!(loaded(&with_tensor(0.01, 0.01, 0.01)).notes, [""; 0]);
+}
+
+/// `count` links in a row.
+fn chained(count: usize) -> String {
+    let mut text = String::from("<robot name=\"long\"><link name=\"l0\"/>");
+    for k in 0..count {
+        text += &format!(
+            "<joint name=\"j{k}\" type=\"revolute\"><parent link=\"l{k}\"/><child link=\"l{0}\"/>{AXIS}\
+             {LIMIT}</joint><link name=\"l{0}\">{INERTIAL}</link>",
+            k + 1
+        );
+    }
+    text + "</robot>"
+}
+
+#[test]
+fn files_without_end_are_refused() {
+    assert_eq!(loaded(&chained(64)).robot.dof(), 64);
+    assert_says(&["more than 64 moving joints", "--tip"], &refusal(&chained(65)));
+    assert_says(&["more than 2 000 links and joints"], &refusal(&chained(10_000)));
+    let nested =
+        format!("<robot name=\"x\">{}{}</robot>", "<a>".repeat(20_000), "</a>".repeat(20_000));
+    assert_says(&["more than 64 levels of nesting"], &refusal(&nested));
+    let laughs = "<!DOCTYPE r [<!ENTITY a \"ha\"><!ENTITY b \"&a;&a;\">]><robot name=\"&b;\"/>";
+    assert_says(&["defines entities", "xmllint"], &refusal(laughs));
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("long.urdf");
+    std::fs::write(&file, vec![b' '; (4 << 20) + 1]).unwrap();
+    let message = read_file(&file, &Chain::default()).unwrap_err().to_string();
+    assert_says(&["long.urdf", "more than 4 194 304 bytes in a URDF"], &message);
+}
+
 #[test]
 fn a_wrong_tensor_of_what_is_only_carried_is_left_out() {
     let antenna = "<link name=\"antenna\"><inertial><mass value=\"0.5\"/><inertia ixx=\"-1\" \
