@@ -25,6 +25,7 @@ pub mod identification;
 pub mod kernels;
 pub mod motion;
 pub mod motor;
+pub mod plausibility;
 pub mod recording;
 pub mod regression;
 pub mod report;

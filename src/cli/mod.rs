@@ -23,6 +23,7 @@ mod man;
 mod motor;
 mod motor_archive;
 mod progress;
+mod recordings;
 mod recovery;
 mod robots;
 mod save;

@@ -4,6 +4,7 @@
 mod bag;
 mod check;
 mod columns;
+mod cut;
 mod error;
 mod file;
 mod format;
@@ -11,12 +12,14 @@ mod guard;
 mod halves;
 pub mod inspection;
 mod mapped_csv;
+mod mend;
 mod movement_folder;
 mod parquet_file;
 mod rtde_csv;
 mod table;
 mod text;
 
+pub use bag::settle_effort;
 pub use check::{FEWEST_SAMPLES, JOINT_SIGNALS};
 pub use columns::ColumnMap;
 pub use error::RecordingError;

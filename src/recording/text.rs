@@ -58,6 +58,9 @@ pub struct Layout {
     pub decimal_comma: bool,
 }
 
+/// Lines of comment in front of the header that are read past.
+const MOST_COMMENTS: usize = 1000;
+
 /// A text file, its first line taken apart.
 #[derive(Debug)]
 pub struct Text {
@@ -87,7 +90,7 @@ impl Text {
         layout: &Layout,
     ) -> Result<Self, RecordingError> {
         refuse_foreign_text(&bytes, &file)?;
-        let Some((start, end, line)) = first_line(&bytes, layout.skip_rows) else {
+        let Some((start, end, line)) = head_line(&bytes, layout.skip_rows) else {
             return Err(RecordingError::Empty { file });
         };
         let first = std::str::from_utf8(&bytes[start..end])
@@ -202,6 +205,33 @@ fn first_line(bytes: &[u8], skip: usize) -> Option<(usize, usize, usize)> {
     None
 }
 
+/// The first line after `skip` that is not blank. Where it and others begin with `#`: the first that does
+/// not, unless it holds numbers and the last comment as many names.
+fn head_line(bytes: &[u8], skip: usize) -> Option<(usize, usize, usize)> {
+    let text = |(start, end, _): (usize, usize, usize)| {
+        String::from_utf8_lossy(&bytes[start..end]).trim().trim_start_matches('\u{feff}').to_string()
+    };
+    let first = first_line(bytes, skip)?;
+    let (mut comment, mut line) = (None, first);
+    for _ in 0..MOST_COMMENTS {
+        if !text(line).starts_with('#') {
+            break;
+        }
+        comment = Some(line);
+        line = match first_line(bytes, line.2) {
+            Some(next) => next,
+            None => return Some(first),
+        };
+    }
+    let Some(comment) = comment else { return Some(first) };
+    let (row, names) = (text(line), text(comment));
+    let names = names.trim_start_matches('#').trim();
+    let width = |line: &str| detect(line).map(|d| d.split(line).len());
+    let row_is_header = detect(&row).is_some_and(|d| is_header(&d.split(&row)));
+    let named = width(names).is_some() && width(names) == width(&row);
+    Some(if named && !row_is_header { comment } else { line })
+}
+
 /// Semicolons hint at decimal commas, which only the user can tell: never guessed.
 fn detect(line: &str) -> Option<Delimiter> {
     if line.contains(';') {
@@ -219,5 +249,6 @@ fn detect(line: &str) -> Option<Delimiter> {
 
 /// Names, not numbers: fewer than half of the cells can be read as a number.
 fn is_header(cells: &[&str]) -> bool {
-    2 * cells.iter().filter(|c| c.replace(',', ".").parse::<f64>().is_ok()).count() < cells.len()
+    let number = |c: &&&str| c.trim_matches(['"', '\'']).replace(',', ".").parse::<f64>().is_ok();
+    2 * cells.iter().filter(number).count() < cells.len()
 }

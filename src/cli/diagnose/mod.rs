@@ -18,6 +18,8 @@ use anyhow::{Context, bail};
 
 use self::load::Recorded;
 use super::conditioning::ConditioningArgs;
+use super::recordings::WorkArgs;
+use super::twin::{Arm, ArmArgs};
 use super::{out, progress, view};
 use crate::diagnosis::{self, Diagnosis, Settings, Traces, mend};
 use crate::effects;
@@ -47,12 +49,10 @@ pub struct Args {
     /// Another recording, which decides [default: the second half of the first]
     #[arg(long, value_name = "RECORDING")]
     check: Option<PathBuf>,
-    /// What is known about the arm [default: the built-in UR5 with the paper's drive]
-    #[arg(long, value_name = "TWIN.toml")]
-    twin: Option<PathBuf>,
-    /// Column map (TOML) of CSVs without RTDE names
-    #[arg(long, value_name = "MAP.toml")]
-    columns: Option<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArgs,
+    #[command(flatten)]
+    work: WorkArgs,
     /// Folder for diagnosis.json, report.html, twin.rrd and twin.toml
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -114,23 +114,24 @@ pub(super) struct Diagnosed {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let settings = args.settings()?;
-    let twin = super::twin::load(args.twin.as_deref())?;
-    let recordings = load::condition(args.recordings()?, &twin, &args.conditioning)?;
+    let arm = args.arm.load()?;
+    let recordings = load::condition(args.recordings(&arm)?, &arm.twin, &args.conditioning)?;
     // Made before the work, which would be lost where it cannot be made.
     let fresh = args.out.as_ref().filter(|out| !out.exists());
     if let Some(out) = &args.out {
         std::fs::create_dir_all(out)
             .with_context(|| format!("--out {}: cannot be made", out.display()))?;
     }
-    let mut done = diagnose(twin, recordings, settings, !args.no_simulation).inspect_err(|_| {
+    let mut done = diagnose(arm.twin.clone(), recordings, settings, !args.no_simulation).inspect_err(|_| {
         // Only an empty folder is removed.
         fresh.map(std::fs::remove_dir);
     })?;
     let next = &mut done.diagnosis.next_experiment;
-    *next = next.replace(diagnosis::TWIN, &args.twin_as_given());
+    *next = next.replace(diagnosis::TWIN, &args.arm.as_given());
     if let Some(out) = &args.out {
         output::write(&done, out)?;
     }
+    println!("{}", arm.line());
     out::page(&page::page(&done));
     if let Some(out) = &args.out {
         println!("\n{}", output::written(out));
@@ -169,12 +170,6 @@ pub(super) fn diagnose(
 }
 
 impl Args {
-    /// As another command takes it.
-    fn twin_as_given(&self) -> String {
-        // Without one, every command takes the same.
-        self.twin.as_ref().map_or_else(String::new, |twin| format!(" --twin {}", twin.display()))
-    }
-
     fn settings(&self) -> anyhow::Result<Settings> {
         if let Some(unknown) = self.without.iter().find(|name| effects::find(name).is_none()) {
             bail!("--without {unknown}: no such effect; choose from {}", effects::names());
@@ -196,8 +191,8 @@ impl Args {
     }
 
     /// To search on and to decide on.
-    fn recordings(&self) -> anyhow::Result<[Recording; 2]> {
-        let read = |path: &Path| crate::recording::read(path, self.columns.as_deref());
+    fn recordings(&self, arm: &Arm) -> anyhow::Result<[Recording; 2]> {
+        let read = |path: &Path| self.work.read(path, arm, self.conditioning.floor_hz());
         let Some(check) = &self.check else { return Ok(read(&self.fit)?.halves()) };
         load::refuse_same_file(&self.fit, check)?;
         let both = [read(&self.fit)?, read(check)?];

@@ -1,0 +1,268 @@
+//! Does the recorded torque carry the arm? Joint by joint: weight and inertia by the twin, and friction,
+//! which takes power, against what was recorded.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::fit::{Fit, fit};
+use super::motion::{Motion, Torque, torque};
+use super::readings::{Reading, alternatives};
+use super::{Arm, Doubt, FACTOR, named, near};
+use crate::recording::Recording;
+use crate::robot::{
+    BUILT_IN, Drive, GRAVITY, Robot, Workspace, gravity_torque, inverse_dynamics_series,
+};
+use crate::series::JointSeries;
+
+/// Less of a column's variance explained by weight and friction is poor, ...
+const POOR: f64 = 0.5;
+/// ... and from this on it is explained.
+const GOOD: f64 = 0.8;
+/// Another reading may explain no column worse than by this.
+const LOSS: f64 = 0.1;
+/// The heaviest load that an arm is built for, as a share of its moving mass (UR arms: 0.25 to 0.38).
+const LOAD: f64 = 0.25;
+/// A joint's weight is sure where it varies by this share of what that load would add ...
+const SURE: f64 = 0.5;
+/// ... and by this share of the largest weight that the arm can put on a joint.
+const VARIES: f64 = 0.05;
+/// Without a word which arm it is, weight is no other arm's within this factor.
+const SAME_ARM: f64 = 2.0;
+
+/// Recorded over predicted torque of one joint.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Slope {
+    pub value: f64,
+    /// Share of the torque, friction left aside, that weight and inertia explain.
+    pub explained: f64,
+}
+
+/// The rigid body, and the inertia of rotors at the joints.
+pub struct Body {
+    pub robot: Robot,
+    pub armature: Vec<f64>,
+}
+
+/// What one reading of the columns makes of them, joint by joint.
+struct Explained {
+    fits: Vec<Fit>,
+    heavy: Vec<bool>,
+}
+
+pub fn judge(
+    recording: &Recording,
+    arm: &Arm<'_>,
+    motion: &Motion,
+    torque: &Torque,
+) -> (Vec<Doubt>, Vec<Option<Slope>>) {
+    let mechanism = arm.twin.mechanism(|_| true);
+    let body = Body { robot: mechanism.robot, armature: mechanism.armature };
+    let measured = motion.means(&torque.values);
+    let usual = Reading::as_it_stands(body.robot.dof());
+    let as_is = explain(&body, motion, &measured, &usual);
+    let slopes = as_is.slopes();
+    let doubts = match reading(&body, motion, &measured, &as_is) {
+        Some(doubt) => vec![doubt],
+        None => factor(arm, torque, &slopes, &as_is)
+            .or_else(|| sign(&slopes))
+            .or_else(|| other_arm(recording, arm, &slopes))
+            .into_iter()
+            .collect(),
+    };
+    (doubts, slopes)
+}
+
+impl Explained {
+    fn slopes(&self) -> Vec<Option<Slope>> {
+        let slope = |(fit, heavy): (&Fit, &bool)| {
+            let told = *heavy && fit.by_weight >= POOR;
+            told.then_some(Slope { value: fit.slope, explained: fit.by_weight })
+        };
+        self.fits.iter().zip(&self.heavy).map(slope).collect()
+    }
+
+    /// By column of torque.
+    fn quality(&self, reading: &Reading) -> Vec<f64> {
+        let mut quality = vec![0.0; self.fits.len()];
+        self.fits.iter().zip(&reading.torque).for_each(|(fit, c)| quality[*c] = fit.physical);
+        quality
+    }
+}
+
+/// Another reading of the columns that explains what this one does not: the best of all such.
+fn reading(
+    body: &Body,
+    motion: &Motion,
+    torque: &JointSeries,
+    as_is: &Explained,
+) -> Option<Doubt> {
+    use rayon::prelude::*;
+    let before = as_is.quality(&Reading::as_it_stands(body.robot.dof()));
+    if before.iter().all(|q| *q >= POOR) {
+        return None;
+    }
+    let better = |reading: Reading| -> Option<(f64, Reading)> {
+        let after = explain(body, motion, torque, &reading).quality(&reading);
+        let pairs = || before.iter().zip(&after);
+        let found = pairs().any(|(b, a)| *b < POOR && *a >= GOOD);
+        let lost = pairs().any(|(b, a)| *a < *b - LOSS);
+        let changed = reading.columns().all(|c| after[c] >= GOOD || after[c] >= before[c] - LOSS);
+        let left = after.iter().map(|a| (1.0 - a).max(1e-6).ln()).sum();
+        (found && !lost && changed).then_some((left, reading))
+    };
+    let found: Vec<(f64, Reading)> =
+        alternatives(body.robot.dof()).into_par_iter().filter_map(better).collect();
+    let best = found.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+    Some(best.1.doubt)
+}
+
+fn explain(body: &Body, motion: &Motion, torque: &JointSeries, reading: &Reading) -> Explained {
+    let [q, qd, qdd] = [&motion.q, &motion.qd, &motion.qdd].map(|s| reading.position(s));
+    let robot = Robot { gravity: body.robot.gravity * reading.gravity, ..body.robot.clone() };
+    let mut rigid = inverse_dynamics_series(&robot, &q, &qd, &qdd);
+    for (j, inertia) in body.armature.iter().enumerate() {
+        let acceleration = qdd.joint(j);
+        rigid.joint_mut(j).iter_mut().zip(acceleration).for_each(|(t, a)| *t += inertia * a);
+    }
+    let heavy = heavy(&robot, &q);
+    let fits = (0..robot.dof()).map(|j| {
+        let torque = reading.torque_of(torque, j);
+        fit(qd.joint(j), rigid.joint(j), &torque, heavy[j])
+    });
+    Explained { fits: fits.collect(), heavy }
+}
+
+/// Joints whose own weight varies more than a load could hide.
+fn heavy(robot: &Robot, q: &JointSeries) -> Vec<bool> {
+    let laden = robot.with_payload(LOAD * robot.mass(), Vector3::zeros(), Matrix3::zeros());
+    let (own, all) = (weight(robot, q), weight(&laden, q));
+    let largest = VARIES * largest_weight(robot);
+    let sure = |j: usize| {
+        let load: Vec<f64> = own.joint(j).iter().zip(all.joint(j)).map(|(a, b)| b - a).collect();
+        let spread = deviation(own.joint(j));
+        spread >= SURE * deviation(&load) && spread >= largest
+    };
+    (0..robot.dof()).map(sure).collect()
+}
+
+fn weight(robot: &Robot, q: &JointSeries) -> JointSeries {
+    let mut workspace = Workspace::new(robot);
+    let (mut pose, mut torque) = (vec![0.0; robot.dof()], vec![0.0; robot.dof()]);
+    let mut weight = JointSeries::zeros(robot.dof(), q.samples());
+    for k in 0..q.samples() {
+        q.sample_into(k, &mut pose);
+        gravity_torque(robot, &mut workspace, &pose, &mut torque);
+        weight.set_sample(k, &torque);
+    }
+    weight
+}
+
+/// N.m, no joint's weight is larger: all mass as far away as the links before it reach.
+fn largest_weight(robot: &Robot) -> f64 {
+    let mut reach = 0.0;
+    let moment = |body: &crate::robot::Body| {
+        reach += body.joint.placement.translation.norm();
+        body.inertia.mass * (reach + body.inertia.com.norm())
+    };
+    GRAVITY * robot.bodies.iter().map(moment).sum::<f64>()
+}
+
+fn deviation(values: &[f64]) -> f64 {
+    let n = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
+}
+
+/// Torque that is off by more than a load or a gain makes.
+fn factor(
+    arm: &Arm<'_>,
+    torque: &Torque,
+    slopes: &[Option<Slope>],
+    _: &Explained,
+) -> Option<Doubt> {
+    let off = |s: f64| !(1.0 / FACTOR..FACTOR).contains(&s.abs());
+    let all = slopes.iter().enumerate().filter_map(|(j, s)| Some((j, (*s)?.value)));
+    let off: Vec<(usize, f64)> = all.filter(|(_, s)| off(*s)).collect();
+    let &(j, slope) = off.first().filter(|_| arm.scaled)?;
+    let per_ampere = arm.twin.drive.torque_per_ampere(j);
+    let size = slope.abs();
+    let current = torque.stem == "actual_current";
+    let guess = match current {
+        _ if near(size, 1000.0) && current => "the current is in mA: scale = 0.001",
+        _ if near(size, 1000.0) => "the torque is in N.mm: scale = 0.001",
+        true if near(size, per_ampere) => "actual_current holds torque: name it joint_torque",
+        false if near(size, 1.0 / per_ampere) => "joint_torque holds current: name it actual_current",
+        true if near(size, 1.0 / arm.twin.drive.gear_ratio[j]) || near(size, arm.twin.drive.gear_ratio[j]) => {
+            "the torque constant is that of the joint's side: gear_ratio = 1 in the twin"
+        }
+        _ => "correct its unit (scale)",
+    };
+    let joints: Vec<usize> = off.iter().map(|(j, _)| *j).collect();
+    Some(Doubt {
+        what: format!(
+            "{}: the torque of {}_* is {slope:.3} times what the weight of a {} asks for",
+            named(&joints),
+            torque.stem,
+            arm.twin.robot.name,
+        ),
+        remedy: format!("{guess} in a column map (--columns), or give the twin its drive"),
+    })
+}
+
+/// Torque that hangs the arm up where it should carry it, and no reading says why.
+fn sign(slopes: &[Option<Slope>]) -> Option<Doubt> {
+    let against = |(j, s): (usize, &Option<Slope>)| {
+        s.filter(|s| s.value < 0.0 && s.explained >= GOOD).map(|_| j)
+    };
+    let joints: Vec<usize> = slopes.iter().enumerate().filter_map(against).collect();
+    (!joints.is_empty()).then(|| Doubt {
+        what: format!("{}: the recorded torque pulls where the arm's weight pulls", named(&joints)),
+        remedy: "turn the sign of the torque or of the positions in a column map (scale = [1, -1, ...])"
+            .into(),
+    })
+}
+
+/// An arm that nobody named, and whose weight is another's.
+fn other_arm(recording: &Recording, arm: &Arm<'_>, slopes: &[Option<Slope>]) -> Option<Doubt> {
+    let told = slopes.iter().enumerate().filter_map(|(j, s)| Some((j, (*s)?.value)));
+    let (j, slope) = told.min_by(|(_, a), (_, b)| b.abs().total_cmp(&a.abs()))?;
+    if !arm.assumed || (1.0 / SAME_ARM..SAME_ARM).contains(&slope) {
+        return None;
+    }
+    let likely = likely(recording);
+    let like = likely.iter().map(|(name, s)| format!("{name} ({s:.2})")).collect::<Vec<_>>();
+    let name = &arm.twin.robot.name;
+    Some(Doubt {
+        what: format!(
+            "joint {}: the torque is {slope:.2} times what the weight of a {name} asks for, which was \
+             assumed because no arm was named",
+            j + 1
+        ),
+        remedy: match like.is_empty() {
+            true => "name the arm: --robot NAME or --twin FILE".into(),
+            false => format!(
+                "name the arm: --robot NAME or --twin FILE; by its weight it may be one of: {}",
+                like.join(", ")
+            ),
+        },
+    })
+}
+
+/// Arms whose weight the recorded torque carries within [`SAME_ARM`], the nearest to 1 first.
+pub fn likely(recording: &Recording) -> Vec<(&'static str, f64)> {
+    let slope = |robot: Robot| -> Option<f64> {
+        let n = robot.dof();
+        let unit = Drive::new(vec![1.0; n], vec![1.0; n]);
+        let torque = torque(recording, &unit, n).filter(|t| t.stem == "joint_torque")?;
+        let motion = Motion::new(recording, 1.0, n)?;
+        let body = Body { armature: vec![0.0; n], robot };
+        let measured = motion.means(&torque.values);
+        let found = explain(&body, &motion, &measured, &Reading::as_it_stands(n)).slopes();
+        found.into_iter().flatten().map(|s| s.value).max_by(f64::total_cmp)
+    };
+    let each = BUILT_IN.iter().filter_map(|t| Some((t.name, slope(t.robot())?)));
+    let mut likely: Vec<(&str, f64)> =
+        each.filter(|(_, s)| (1.0 / SAME_ARM..SAME_ARM).contains(s)).collect();
+    likely.sort_by(|(_, a), (_, b)| a.ln().abs().total_cmp(&b.ln().abs()));
+    likely.truncate(3);
+    likely
+}
