@@ -20,6 +20,7 @@ mod identify;
 mod inspect;
 mod interrupt;
 mod man;
+mod map;
 mod motor;
 mod motor_archive;
 mod progress;
@@ -63,6 +64,7 @@ enum Command {
     Identify(identify::Args),
     Inspect(inspect::Args),
     Man(man::Args),
+    Map(map::Args),
     Motor(motor::Args),
     Recovery(recovery::Args),
     Robots(robots::Args),
@@ -103,6 +105,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Identify(args) => identify::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Man(args) => man::run(&args),
+        Command::Map(args) => map::run(&args),
         Command::Motor(args) => motor::run(&args),
         Command::Recovery(args) => recovery::run(&args),
         Command::Robots(args) => robots::run(&args),

@@ -21,9 +21,9 @@ use crate::twin::Twin;
 
 pub use weight::Slope;
 
-/// Beyond this and its inverse a factor is an error of units. A payload of a quarter of the arm's mass
-/// multiplies the weight on a joint by up to 3; the least a wrong unit makes is 13 (N.m taken for A on
-/// a UR5): their geometric middle is 6, where noise makes a slope smaller it is a little less.
+/// Beyond this and its inverse a factor is an error of units. The heaviest load that an arm is built for
+/// multiplies the weight on a joint by up to 3, the least that a wrong unit does is 9 (N.m taken for A at
+/// the wrist of a UR5): 5 lies between, in decades.
 const FACTOR: f64 = 5.0;
 
 /// What a recording is held against.

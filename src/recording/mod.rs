@@ -5,6 +5,7 @@ mod bag;
 mod check;
 mod columns;
 mod cut;
+mod draft;
 mod error;
 mod file;
 mod format;
@@ -22,8 +23,9 @@ mod text;
 pub use bag::settle_effort;
 pub use check::{FEWEST_SAMPLES, JOINT_SIGNALS};
 pub use columns::ColumnMap;
+pub use draft::{Draft, draft};
 pub use error::RecordingError;
-pub use format::{FORMATS, Format, WriteOptions, read, write, writer};
+pub use format::{FORMATS, Format, WriteOptions, read, read_by, write, writer};
 pub use rtde_csv::write_csv;
 pub use text::Delimiter;
 

@@ -74,16 +74,8 @@ fn read(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingErro
         Some(map) => mapped(&schema, map, &file)?,
         None => named(&schema, &file, &mut notes)?,
     };
-    let roots = wanted.iter().map(|w| w.at).chain([time.at]);
-    let mask = ProjectionMask::roots(builder.parquet_schema(), roots);
-    let mut columns = vec![Vec::new(); schema.fields().len()];
-    for batch in builder.with_projection(mask).build().map_err(|e| wrong(&e))? {
-        let batch = batch.map_err(|e| wrong(&e))?;
-        for (field, values) in batch.schema().fields().iter().zip(batch.columns()) {
-            let at = schema.index_of(field.name()).map_err(|e| wrong(&e))?;
-            extend(&mut columns[at], values, field.name(), &file)?;
-        }
-    }
+    let roots: Vec<usize> = wanted.iter().map(|w| w.at).chain([time.at]).collect();
+    let columns = load(builder, &roots, path)?;
     let scaled = |w: &Wanted| columns[w.at].iter().map(|v| v * w.scale).collect::<Vec<f64>>();
     let format = match map {
         Some(map) => format!("Parquet, columns by {}", map.file),
@@ -100,6 +92,48 @@ fn read(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingErro
     let lines: Vec<usize> = (1..=recording.time.len()).collect();
     refuse_bad(&recording, schema.field(time.at).name(), &lines)?;
     Ok(recording)
+}
+
+/// The columns `roots` of a file, by their positions in it; the others are empty.
+fn load(
+    builder: ParquetRecordBatchReaderBuilder<File>,
+    roots: &[usize],
+    path: &Path,
+) -> Result<Vec<Vec<f64>>, RecordingError> {
+    let wrong = |e: &dyn std::error::Error| damaged(path, e.to_string());
+    let schema = builder.schema().clone();
+    let mask = ProjectionMask::roots(builder.parquet_schema(), roots.iter().copied());
+    let mut columns = vec![Vec::new(); schema.fields().len()];
+    for batch in builder.with_projection(mask).build().map_err(|e| wrong(&e))? {
+        let batch = batch.map_err(|e| wrong(&e))?;
+        for (field, values) in batch.schema().fields().iter().zip(batch.columns()) {
+            let at = schema.index_of(field.name()).map_err(|e| wrong(&e))?;
+            extend(&mut columns[at], values, field.name(), &path.display().to_string())?;
+        }
+    }
+    Ok(columns)
+}
+
+/// Names and values of all columns, empty where they hold no numbers; time stamps in s.
+///
+/// # Errors
+/// If it is no Parquet file.
+pub fn columns(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), RecordingError> {
+    let read = || {
+        let builder = ParquetRecordBatchReaderBuilder::try_new(open(path)?)
+            .map_err(|e| damaged(path, e.to_string()))?;
+        let schema = builder.schema().clone();
+        let kinds: Vec<&DataType> = schema.fields().iter().map(|f| f.data_type()).collect();
+        let number = |kind: &DataType| kind.is_numeric() || seconds_per_unit(kind) != 1.0;
+        let roots: Vec<usize> = (0..kinds.len()).filter(|c| number(kinds[*c])).collect();
+        let mut values = load(builder, &roots, path)?;
+        for (column, kind) in values.iter_mut().zip(kinds) {
+            let scale = seconds_per_unit(kind);
+            column.iter_mut().for_each(|v| *v *= scale);
+        }
+        Ok((schema.fields().iter().map(|f| f.name().clone()).collect(), values))
+    };
+    guarded(read).unwrap_or_else(|why| Err(damaged(path, why)))
 }
 
 /// All columns of numbers under their own names.
