@@ -63,10 +63,7 @@ struct Inspected<'a> {
 
 /// The line about the arm, and what it and the recording say of each other; where the recording is not of
 /// this arm, what the recording says of itself, and why.
-fn held_against(
-    given: &ArmArgs,
-    recording: &mut Recording,
-) -> anyhow::Result<(String, Judgement)> {
+fn held_against(given: &ArmArgs, recording: &mut Recording) -> anyhow::Result<(String, Judgement)> {
     let arm = given.load()?;
     let Err(why) = arm.settle(recording) else {
         return Ok((arm.line(), arm.judge(recording)));

@@ -38,7 +38,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let map = ColumnMap::parse(&draft.map, "the draft")?;
     let recording = recording::read_by(&args.file, Some(&map));
     let arm = recording.as_ref().ok().and_then(|r| likely_arms(r).first().copied());
-    let text = draft.map.clone() + &remarks(&draft, recording.as_ref().map_err(|e| e.to_string()), arm);
+    let text =
+        draft.map.clone() + &remarks(&draft, recording.as_ref().map_err(|e| e.to_string()), arm);
     match &args.out {
         Some(path) => {
             save::text(path, &text)?;

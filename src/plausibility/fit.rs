@@ -24,8 +24,9 @@ pub struct Fit {
     pub by_weight: f64,
     /// Mean power that friction takes, W; negative where it would give.
     pub power: f64,
-    /// Share that all explain, with friction that takes power, and an arm that is carried and does not
-    /// carry.
+    /// Share that all explain.
+    pub total: f64,
+    /// The same with friction that takes power, and an arm that is carried and does not carry.
     pub physical: f64,
 }
 
@@ -38,11 +39,13 @@ pub struct Joint<'a> {
     pub torque: &'a [f64],
     /// Whether the rigid body's part is so sure that its slope cannot be negative.
     pub heavy: bool,
+    /// No rotor has more inertia at the joint, kg.m2.
+    pub most_inertia: f64,
 }
 
 impl Joint<'_> {
     pub fn fit(&self) -> Fit {
-        let Self { qd, qdd, rigid, torque, heavy } = self;
+        let Self { qd, qdd, rigid, torque, heavy, most_inertia } = self;
         let slides = |k: &usize| qd[*k].abs() > SLIDING;
         let sliding: Vec<usize> = (0..qd.len()).filter(slides).collect();
         let rows = if sliding.len() < FEWEST_SLIDING { (0..qd.len()).collect() } else { sliding };
@@ -55,12 +58,17 @@ impl Joint<'_> {
             column(&|k| rigid[k]),
             column(&|k| torque[k]),
         ]);
-        let left = |which: &[usize]| sums.swept(which).left();
-        let found = sums.swept(&[DIRECTION, SPEED, ROTOR, RIGID]);
-        let (friction, weight) = (left(&[DIRECTION, SPEED, ROTOR]), left(&[ROTOR, RIGID]));
-        let mean = |f: &dyn Fn(usize) -> f64| {
-            rows.iter().map(|k| f(*k)).sum::<f64>() / rows.len() as f64
+        // In a swing, acceleration goes as position does, and would take the weight's part.
+        let inertia = sums.swept(&[DIRECTION, SPEED, ROTOR, RIGID]).of(ROTOR);
+        let rotor = (0.0..=*most_inertia).contains(&inertia);
+        let swept = |which: &[usize]| match rotor {
+            true => sums.swept(&[&[ROTOR], which].concat()),
+            false => sums.swept(which),
         };
+        let found = swept(&[DIRECTION, SPEED, RIGID]);
+        let (friction, weight) = (swept(&[DIRECTION, SPEED]).left(), swept(&[RIGID]).left());
+        let mean =
+            |f: &dyn Fn(usize) -> f64| rows.iter().map(|k| f(*k)).sum::<f64>() / rows.len() as f64;
         let power = found.of(DIRECTION) * mean(&|k| direction(k) * qd[k])
             + found.of(SPEED) * mean(&|k| qd[k] * qd[k]);
         let all = sums.0[TORQUE][TORQUE].max(f64::MIN_POSITIVE);
@@ -75,6 +83,7 @@ impl Joint<'_> {
             slope: found.of(RIGID),
             by_weight: share(found.left(), friction),
             power,
+            total: share(found.left(), all),
             physical: share(physical, all),
         }
     }

@@ -34,16 +34,16 @@ impl Motion {
             return None;
         }
         let every = (n - 2 * half).div_ceil(INSTANTS);
-        let together =
-            |k: &usize| (time[k + half] - time[k - half]) * time_scale < 2.0 * GAP * half as f64 * step;
+        let together = |k: &usize| {
+            (time[k + half] - time[k - half]) * time_scale < 2.0 * GAP * half as f64 * step
+        };
         let rows: Vec<usize> = (half..n - half).step_by(every).filter(together).collect();
         let each = |f: &dyn Fn(&[f64], usize) -> f64| {
             q.map_joints(|_, x| rows.iter().map(|k| f(x, *k)).collect())
         };
         let h = |k: usize| 0.5 * (time[k + half] - time[k - half]) * time_scale;
         let first = |x: &[f64], k: usize| (x[k + half] - x[k - half]) / (2.0 * h(k));
-        let second =
-            |x: &[f64], k: usize| (x[k + half] - 2.0 * x[k] + x[k - half]) / (h(k) * h(k));
+        let second = |x: &[f64], k: usize| (x[k + half] - 2.0 * x[k] + x[k - half]) / (h(k) * h(k));
         let (qd, qdd) = (each(&first), each(&second));
         let q = each(&|x, k| x[k]);
         Some(Self { q, qd, qdd, rows, half })
@@ -52,7 +52,8 @@ impl Motion {
     /// Means of another series of the recording around the same instants.
     pub fn means(&self, series: &JointSeries) -> JointSeries {
         let width = (2 * self.half + 1) as f64;
-        let mean = |x: &[f64], k: usize| x[k - self.half..=k + self.half].iter().sum::<f64>() / width;
+        let mean =
+            |x: &[f64], k: usize| x[k - self.half..=k + self.half].iter().sum::<f64>() / width;
         series.map_joints(|_, x| self.rows.iter().map(|k| mean(x, *k)).collect())
     }
 }

@@ -20,7 +20,10 @@ const TRAVEL: f64 = 0.05;
 
 /// What a factor between velocity and differentiated position can mean.
 const UNITS: [(f64, &str); 4] = [
-    (57.295_779_513, "actual_qd is in degrees/s or actual_q in other units than it: scale = 0.0174532925"),
+    (
+        57.295_779_513,
+        "actual_qd is in degrees/s or actual_q in other units than it: scale = 0.0174532925",
+    ),
     (0.017_453_292_5, "actual_q is in degrees: scale = 0.0174532925"),
     (1000.0, "actual_qd is in mrad/s: scale = 0.001"),
     (1e-3, "actual_q is in mrad, or time in milliseconds: scale = 0.001, time_scale = 0.001"),

@@ -13,12 +13,18 @@ use crate::robot::{
 };
 use crate::series::JointSeries;
 
-/// Less of a column's variance explained by weight and friction is poor, ...
-const POOR: f64 = 0.5;
-/// ... and from this on it is explained.
+/// A column of which weight and friction explain this share needs no other reading.
+const UNDERSTOOD: f64 = 0.95;
+/// A joint's slope says something where weight explains this share of what friction leaves.
+const TOLD: f64 = 0.5;
+/// Another reading has to explain this share of a column, ...
 const GOOD: f64 = 0.8;
-/// Another reading may explain no column worse than by this.
-const LOSS: f64 = 0.1;
+/// ... and leave this much of what is left of it as it stands, at most, ...
+const LEAVES: f64 = 0.1;
+/// ... and of no other column more than this times as much and this share of it.
+const LOSS: (f64, f64) = (1.5, 0.02);
+/// Share of a column that signs which cannot be have to explain for it to be contradicted.
+const CONTRADICTED: f64 = 0.03;
 /// The heaviest load that an arm is built for, as a share of its moving mass (UR arms: 0.25 to 0.38).
 const LOAD: f64 = 0.25;
 /// A joint's weight is sure where it varies by this share of what that load would add ...
@@ -41,6 +47,37 @@ pub struct Slope {
 pub struct Body {
     pub robot: Robot,
     pub armature: Vec<f64>,
+}
+
+/// How far a column of torque is understood.
+#[derive(Debug, Clone, Copy)]
+struct Quality {
+    /// Share of its variance.
+    explained: f64,
+    /// Friction that gives power, or weight that pulls the other way, would explain most of the rest.
+    contradicted: bool,
+}
+
+impl Quality {
+    fn doubtful(self) -> bool {
+        self.explained < UNDERSTOOD || self.contradicted
+    }
+
+    fn good(self) -> bool {
+        self.explained >= GOOD && !self.contradicted
+    }
+
+    /// Whether `other` is the better reading of the column by far.
+    fn mended_by(self, other: Self) -> bool {
+        let shrinks = 1.0 - other.explained <= LEAVES * (1.0 - self.explained);
+        self.doubtful() && other.good() && (shrinks || self.contradicted)
+    }
+
+    fn harmed_by(self, other: Self) -> bool {
+        let (times, more) = LOSS;
+        1.0 - other.explained > times * (1.0 - self.explained) + more
+            || (other.contradicted && !self.contradicted)
+    }
 }
 
 /// What one reading of the columns makes of them, joint by joint.
@@ -75,40 +112,39 @@ pub fn judge(
 impl Explained {
     fn slopes(&self) -> Vec<Option<Slope>> {
         let slope = |(fit, heavy): (&Fit, &bool)| {
-            let told = *heavy && fit.by_weight >= POOR;
+            let told = *heavy && fit.by_weight >= TOLD;
             told.then_some(Slope { value: fit.slope, explained: fit.by_weight })
         };
         self.fits.iter().zip(&self.heavy).map(slope).collect()
     }
 
     /// By column of torque.
-    fn quality(&self, reading: &Reading) -> Vec<f64> {
-        let mut quality = vec![0.0; self.fits.len()];
-        self.fits.iter().zip(&reading.torque).for_each(|(fit, c)| quality[*c] = fit.physical);
+    fn quality(&self, reading: &Reading) -> Vec<Quality> {
+        let mut quality = vec![Quality { explained: 0.0, contradicted: false }; self.fits.len()];
+        for (fit, column) in self.fits.iter().zip(&reading.torque) {
+            let cost = fit.total - fit.physical;
+            let contradicted = cost > CONTRADICTED && cost > 0.5 * (1.0 - fit.physical);
+            quality[*column] = Quality { explained: fit.physical, contradicted };
+        }
         quality
     }
 }
 
 /// Another reading of the columns that explains what this one does not: the best of all such.
-fn reading(
-    body: &Body,
-    motion: &Motion,
-    torque: &JointSeries,
-    as_is: &Explained,
-) -> Option<Doubt> {
+fn reading(body: &Body, motion: &Motion, torque: &JointSeries, as_is: &Explained) -> Option<Doubt> {
     use rayon::prelude::*;
     let before = as_is.quality(&Reading::as_it_stands(body.robot.dof()));
-    if before.iter().all(|q| *q >= POOR) {
+    if !before.iter().any(|q| q.doubtful()) {
         return None;
     }
     let better = |reading: Reading| -> Option<(f64, Reading)> {
         let after = explain(body, motion, torque, &reading).quality(&reading);
         let pairs = || before.iter().zip(&after);
-        let found = pairs().any(|(b, a)| *b < POOR && *a >= GOOD);
-        let lost = pairs().any(|(b, a)| *a < *b - LOSS);
-        let changed = reading.columns().all(|c| after[c] >= GOOD || after[c] >= before[c] - LOSS);
-        let left = after.iter().map(|a| (1.0 - a).max(1e-6).ln()).sum();
-        (found && !lost && changed).then_some((left, reading))
+        let mended = pairs().any(|(b, a)| b.mended_by(*a));
+        let harmed = pairs().any(|(b, a)| b.harmed_by(*a));
+        let changed = reading.columns().all(|c| after[c].good());
+        let left = after.iter().map(|a| (1.0 - a.explained).max(1e-6).ln()).sum();
+        (mended && !harmed && changed).then_some((left, reading))
     };
     let found: Vec<(f64, Reading)> =
         alternatives(body.robot.dof()).into_par_iter().filter_map(better).collect();
@@ -125,10 +161,11 @@ fn explain(body: &Body, motion: &Motion, torque: &JointSeries, reading: &Reading
         rigid.joint_mut(j).iter_mut().zip(acceleration).for_each(|(t, a)| *t += inertia * a);
     }
     let heavy = heavy(&robot, &q);
+    let most_inertia = robot.mass() * (largest_weight(&robot) / (GRAVITY * robot.mass())).powi(2);
     let fits = (0..robot.dof()).map(|j| {
         let torque = &reading.torque_of(torque, j);
         let (qd, qdd, rigid) = (qd.joint(j), qdd.joint(j), rigid.joint(j));
-        Joint { qd, qdd, rigid, torque, heavy: heavy[j] }.fit()
+        Joint { qd, qdd, rigid, torque, heavy: heavy[j], most_inertia }.fit()
     });
     Explained { fits: fits.collect(), heavy }
 }
@@ -215,8 +252,9 @@ fn sign(slopes: &[Option<Slope>]) -> Option<Doubt> {
     let joints: Vec<usize> = slopes.iter().enumerate().filter_map(against).collect();
     (!joints.is_empty()).then(|| Doubt {
         what: format!("{}: the recorded torque pulls where the arm's weight pulls", named(&joints)),
-        remedy: "turn the sign of the torque or of the positions in a column map (scale = [1, -1, ...])"
-            .into(),
+        remedy:
+            "turn the sign of the torque or of the positions in a column map (scale = [1, -1, ...])"
+                .into(),
     })
 }
 

@@ -134,7 +134,8 @@ pub fn count_from_zero(names: &mut [String]) -> Option<String> {
     }
     // A single joint that is missing at the base is no count from 1: all signals begin there.
     let begins = |stem: &str| names.iter().any(|n| *n == format!("{stem}_1"));
-    let there = |stem: &&&str| names.iter().any(|n| split_index(n).is_some_and(|(s, _)| s == **stem));
+    let there =
+        |stem: &&&str| names.iter().any(|n| split_index(n).is_some_and(|(s, _)| s == **stem));
     if !JOINT_SIGNALS.iter().filter(there).all(|stem| begins(stem)) {
         return None;
     }

@@ -12,10 +12,8 @@ impl Recording {
         let slack = 1e-9 * self.time.last().map_or(1.0, |t| t.abs().max(1.0));
         let start = self.time.partition_point(|t| t - origin < from - slack);
         let end = self.time.partition_point(|t| t - origin <= to + slack).max(start);
-        let part = |c: &Channel| Channel {
-            name: c.name.clone(),
-            values: c.values[start..end].to_vec(),
-        };
+        let part =
+            |c: &Channel| Channel { name: c.name.clone(), values: c.values[start..end].to_vec() };
         let mut provenance: Provenance = self.provenance.clone();
         if end - start < self.time.len() {
             let (kept, all) = (end - start, self.time.len());

@@ -121,7 +121,10 @@ fn one_row_without_a_number_or_with_a_stamp_again_is_left_out_and_said() {
         let recording = read_lines(&lines).unwrap();
         assert_eq!(recording.time.len(), 19, "{cell}");
         let note = &recording.provenance.notes[0];
-        assert!(note.contains("dropped 1 row(s), line 11") && note.contains("actual_q_0"), "{note}");
+        assert!(
+            note.contains("dropped 1 row(s), line 11") && note.contains("actual_q_0"),
+            "{note}"
+        );
     }
     let mut lines = csv(20);
     lines[10] = lines[9].clone();
@@ -206,6 +209,8 @@ fn time_must_rise() {
     for (time, what) in [("0.064", "repeats"), ("0.01", "goes backwards")] {
         let mut lines = csv(20);
         lines[10] = format!("{time},1,1");
+        // One alone that repeats is left out.
+        lines[15] = "0.104,1,1".into();
         refused(read_lines(&lines), &["row 11, column timestamp", what, "0.064 s, then", "sort"]);
     }
 }
@@ -223,7 +228,8 @@ fn a_header_that_does_not_name_every_joint_once_is_refused() {
         &["row 1", "\"actual_q_0\" stands in columns 2 and 3", "rename"],
     );
     refused(with_header("timestamp,actual_q_0,actual_q_2"), &["no column actual_q_1", "one joint"]);
-    refused(with_header("timestamp,actual_q_1,actual_q_2"), &["no column actual_q_0"]);
+    refused(with_header("timestamp,actual_q_1,actual_current_0"), &["no column actual_q_0"]);
+    refused(with_header("timestamp,actual_q_2,actual_q_3"), &["no column actual_q_0"]);
     let (header, row) = ("timestamp,actual_q_0,actual_q_1,actual_current_0", "1,1,1,1");
     let text = format!("{header}\n{row}\n").replace(row, &rows(12, 4));
     refused(

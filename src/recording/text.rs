@@ -209,7 +209,10 @@ fn first_line(bytes: &[u8], skip: usize) -> Option<(usize, usize, usize)> {
 /// not, unless it holds numbers and the last comment as many names.
 fn head_line(bytes: &[u8], skip: usize) -> Option<(usize, usize, usize)> {
     let text = |(start, end, _): (usize, usize, usize)| {
-        String::from_utf8_lossy(&bytes[start..end]).trim().trim_start_matches('\u{feff}').to_string()
+        String::from_utf8_lossy(&bytes[start..end])
+            .trim()
+            .trim_start_matches('\u{feff}')
+            .to_string()
     };
     let first = first_line(bytes, skip)?;
     let (mut comment, mut line) = (None, first);

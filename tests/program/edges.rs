@@ -103,7 +103,11 @@ fn the_arm_stands_in_the_first_line_and_its_drive_is_asked_for() {
     stopped(&fit, &["--robot", "ur3e"], &needs);
     let unknown = armtwin(&["identify", text(&fit), "--robot", "ur3x"]);
     assert_eq!(unknown.code, 1);
-    assert!(unknown.stderr.contains("ur3x") && unknown.stderr.contains("ur3e"), "{}", unknown.stderr);
+    assert!(
+        unknown.stderr.contains("ur3x") && unknown.stderr.contains("ur3e"),
+        "{}",
+        unknown.stderr
+    );
     let both = ["identify", text(&fit), "--robot", "ur3e", "--twin", "scenarios/twins/ur5.toml"];
     assert_eq!(armtwin(&both).code, 2);
 
@@ -139,8 +143,14 @@ fn wrong_units_stop_every_command_and_force_goes_on() {
         (scaled(&fit, "actual_current", -1.0), "opposite sign at every joint"),
         (scaled(&fit, "actual_qd", -1.0), "goes the other way"),
         (scaled(&fit, "actual_current_1", -1.0), "joint 2: the recorded torque has the opposite"),
-        (fit.replacen("actual_q_0", "x", 1).replacen("actual_q_2", "actual_q_0", 1)
-            .replacen(",x,", ",actual_q_2,", 1), "another order"),
+        (
+            fit.replacen("actual_q_0", "x", 1).replacen("actual_q_2", "actual_q_0", 1).replacen(
+                ",x,",
+                ",actual_q_2,",
+                1,
+            ),
+            "another order",
+        ),
     ] {
         write(spoilt);
         stopped(&log, &[], &["log.csv", part, "--force"]);
@@ -197,7 +207,8 @@ fn a_drafted_map_reads_a_log_that_nobody_described() {
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
     let degree = 57.295_779_513;
     let spoilt = scaled(&scaled(&csv(6, "motor current"), "actual_q_", degree), "timestamp", 1e3);
-    std::fs::write(path("log.txt"), spoilt.replace("timestamp", "clock").replace(',', "\t")).unwrap();
+    std::fs::write(path("log.txt"), spoilt.replace("timestamp", "clock").replace(',', "\t"))
+        .unwrap();
     let shown = armtwin(&["map", &path("log.txt")]);
     assert_eq!((shown.code, shown.stderr.as_str()), (0, ""));
     for part in ["time_scale = 1e-3", "degrees: up to 29", "actual_qd = ", "actual_current = "] {
@@ -240,7 +251,9 @@ fn rows_without_a_number_are_left_out_and_said() {
     let seen = armtwin(&["inspect", text(&log)]);
     assert_eq!(seen.code, 0, "{}", seen.stderr);
     let flat = seen.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
-    for part in ["1998 samples", "dropped 1 row(s), line 22", "the row before, the first in line 32"] {
+    for part in
+        ["1998 samples", "dropped 1 row(s), line 22", "the row before, the first in line 32"]
+    {
         assert!(flat.contains(part), "{part} not in\n{}", seen.stdout);
     }
 }

@@ -122,10 +122,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         std::fs::create_dir_all(out)
             .with_context(|| format!("--out {}: cannot be made", out.display()))?;
     }
-    let mut done = diagnose(arm.twin.clone(), recordings, settings, !args.no_simulation).inspect_err(|_| {
-        // Only an empty folder is removed.
-        fresh.map(std::fs::remove_dir);
-    })?;
+    let mut done = diagnose(arm.twin.clone(), recordings, settings, !args.no_simulation)
+        .inspect_err(|_| {
+            // Only an empty folder is removed.
+            fresh.map(std::fs::remove_dir);
+        })?;
     let next = &mut done.diagnosis.next_experiment;
     *next = next.replace(diagnosis::TWIN, &args.arm.as_given());
     if let Some(out) = &args.out {

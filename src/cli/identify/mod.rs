@@ -16,8 +16,8 @@ use scale::{LoadArgs, Scaled};
 
 use super::conditioning::ConditioningArgs;
 use super::recordings::WorkArgs;
-use super::save;
 use super::twin::{Arm, ArmArgs};
+use super::{progress, save};
 use crate::diagnosis;
 use crate::identification::{
     self, ArmProblem, BoundsByName, Dropped, IdentificationError, Located, Method, MethodResult,
@@ -194,8 +194,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let given = (fit.clone(), check.clone());
     let inertial = args.asks_for_inertia().then(|| beside.attach(&mut fit, check.as_mut()));
     let inertial = inertial.transpose()?;
+    let joints = fit.problem.joints.len() * settings.methods.len();
+    let bar = progress::counting("fitting joint", joints as u64);
+    let against = check.as_ref().map(|c| &c.problem);
     let mut results =
-        identification::identify(&fit.problem, check.as_ref().map(|c| &c.problem), &settings)?;
+        identification::identify_telling(&fit.problem, against, &settings, &|| bar.inc(1))?;
+    bar.finish_and_clear();
     let body = |i| beside.rigid_body(i, &mut results, given, &fit, check.as_ref());
     let rigid_body = inertial.as_ref().map(body).transpose()?;
     let (problem, samples) = (&fit.problem, &fit.samples);

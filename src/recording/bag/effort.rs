@@ -148,7 +148,8 @@ pub fn settle(recording: &mut Recording, arm: &Robot) {
     if ["actual_current", "joint_torque"].iter().any(|stem| recording.joint_count(stem) > 0) {
         return;
     }
-    let columns = |s: &JointSeries| (0..s.joints()).map(|j| s.joint(j).to_vec()).collect::<Vec<_>>();
+    let columns =
+        |s: &JointSeries| (0..s.joints()).map(|j| s.joint(j).to_vec()).collect::<Vec<_>>();
     let found = by_gravity(&columns(&q), &columns(&effort), std::slice::from_ref(arm));
     let notes = &mut recording.provenance.notes;
     let Some(kind) = found.effort else {

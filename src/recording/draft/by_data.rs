@@ -62,9 +62,11 @@ pub fn blocks(columns: &Columns, time: usize, time_scale: f64) -> Vec<Block> {
         take(stem, at, "what the positions change by");
         used.push(at);
     }
-    let accelerations = starts.iter().copied().filter(|s| !used.contains(s)).find(|s| {
-        rates.iter().any(|r| derives(*r, *s))
-    });
+    let accelerations = starts
+        .iter()
+        .copied()
+        .filter(|s| !used.contains(s))
+        .find(|s| rates.iter().any(|r| derives(*r, *s)));
     if let Some(at) = accelerations {
         let stem = if target.is_some() { "target_qdd" } else { "actual_qdd" };
         take(stem, at, "what the velocities change by");
@@ -72,7 +74,11 @@ pub fn blocks(columns: &Columns, time: usize, time_scale: f64) -> Vec<Block> {
     }
     let rest: Vec<usize> = starts.iter().copied().filter(|s| !used.contains(s)).collect();
     if let Some(at) = rest.iter().copied().find(|s| driven(&stretches, actual, *s, joints)) {
-        take("actual_current", at, "it follows the direction of motion: current, A, or torque, N.m?");
+        take(
+            "actual_current",
+            at,
+            "it follows the direction of motion: current, A, or torque, N.m?",
+        );
     }
     if let Some(at) = rest.iter().copied().find(|s| warm(columns, *s, joints)) {
         take("joint_temperatures", at, "slow, and as warm as motors are");
@@ -104,9 +110,10 @@ impl Stretches {
         }
     }
 
-    /// Whether column `j` is what column `i` changes by, but for a unit.
+    /// Whether column `j` is what column `i` changes by, but for a unit. The other way round a swing
+    /// correlates as well, with the opposite sign.
     fn derivative(&self, i: usize, j: usize) -> bool {
-        correlation(&self.changes[i], &self.sums[j]).is_some_and(|r| r.abs() > DERIVATIVE)
+        correlation(&self.changes[i], &self.sums[j]).is_some_and(|r| r > DERIVATIVE)
     }
 
     fn moves(&self, i: usize) -> bool {
@@ -152,7 +159,8 @@ fn noise(columns: &Columns, start: usize, joints: usize) -> f64 {
 /// Whether the direction of the joints' motion shows in a block.
 fn driven(stretches: &Stretches, actual: usize, block: usize, joints: usize) -> bool {
     let shows = |k: &usize| {
-        let direction: Vec<f64> = stretches.changes[actual + k].iter().map(|c| c.signum()).collect();
+        let direction: Vec<f64> =
+            stretches.changes[actual + k].iter().map(|c| c.signum()).collect();
         correlation(&direction, &stretches.sums[block + k]).is_some_and(|r| r * r > DRIVEN)
     };
     2 * (0..joints).filter(shows).count() >= joints

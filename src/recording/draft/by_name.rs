@@ -5,8 +5,18 @@ use super::source::Columns;
 
 /// Words for what is commanded.
 const TARGET: [&str; 12] = [
-    "target", "desired", "des", "cmd", "command", "commanded", "setpoint", "ref", "reference", "goal",
-    "set", "d",
+    "target",
+    "desired",
+    "des",
+    "cmd",
+    "command",
+    "commanded",
+    "setpoint",
+    "ref",
+    "reference",
+    "goal",
+    "set",
+    "d",
 ];
 
 /// Words for a quantity; stems of what is measured and of what is commanded. The first that fits counts.
@@ -14,9 +24,17 @@ type Quantity = (&'static [&'static str], &'static str, &'static str);
 const QUANTITIES: [Quantity; 6] = [
     (&["temp", "temperature", "temperatures"], "joint_temperatures", ""),
     (&["torque", "torques", "tau", "trq", "moment", "effort"], "joint_torque", "target_moment"),
-    (&["current", "currents", "curr", "cur", "i", "iq", "amp", "amps", "ma"], "actual_current", "target_current"),
+    (
+        &["current", "currents", "curr", "cur", "i", "iq", "amp", "amps", "ma"],
+        "actual_current",
+        "target_current",
+    ),
     (&["qdd", "ddq", "acc", "accel", "acceleration", "qddot"], "actual_qdd", "target_qdd"),
-    (&["qd", "dq", "vel", "velocity", "velocities", "speed", "qdot", "omega"], "actual_qd", "target_qd"),
+    (
+        &["qd", "dq", "vel", "velocity", "velocities", "speed", "qdot", "omega"],
+        "actual_qd",
+        "target_qd",
+    ),
     (
         &["q", "pos", "position", "positions", "angle", "angles", "theta", "joint", "deg", "rad"],
         "actual_q",
@@ -25,7 +43,8 @@ const QUANTITIES: [Quantity; 6] = [
 ];
 
 /// Names of the joints of a common arm.
-const JOINTS: [(&str, usize); 5] = [("pan", 0), ("base", 0), ("lift", 1), ("shoulder", 1), ("elbow", 2)];
+const JOINTS: [(&str, usize); 5] =
+    [("pan", 0), ("base", 0), ("lift", 1), ("shoulder", 1), ("elbow", 2)];
 
 /// Lower-case words and numbers of a name: "shoulderPan_pos2" is shoulder, pan, pos, 2.
 pub fn words(name: &str) -> Vec<String> {
@@ -77,11 +96,7 @@ pub fn blocks(columns: &Columns, time: usize) -> Vec<Block> {
     found.into_iter().filter_map(|(stem, joints)| block(stem, joints, names)).collect()
 }
 
-fn block(
-    stem: &'static str,
-    mut joints: Vec<(usize, usize)>,
-    names: &[String],
-) -> Option<Block> {
+fn block(stem: &'static str, mut joints: Vec<(usize, usize)>, names: &[String]) -> Option<Block> {
     joints.sort_unstable();
     let first = joints.first()?.0;
     // Where a signal comes twice under other names, its first columns are taken.

@@ -86,9 +86,8 @@ fn layout(path: &Path) -> Result<(Layout, Vec<String>), RecordingError> {
         tried.push((semicolon, with(&["delimiter = \"semicolon\""])));
         tried.push((comma, with(&["delimiter = \"semicolon\"", "decimal = \",\""])));
     }
-    let fits = |layout: &Layout| {
-        Text::open(path, layout).is_ok_and(|t| t.width > 1 && mostly_numbers(&t))
-    };
+    let fits =
+        |layout: &Layout| Text::open(path, layout).is_ok_and(|t| t.width > 1 && mostly_numbers(&t));
     match tried.into_iter().find(|(layout, _)| fits(layout)) {
         Some(found) => Ok(found),
         None => Err(first.err().unwrap_or_else(|| RecordingError::ColumnMap {

@@ -40,7 +40,8 @@ fn drafted(text: &str) -> (Draft, Recording) {
     let path = folder.path().join("log.txt");
     std::fs::write(&path, text).unwrap();
     let draft = draft(&path).unwrap_or_else(|e| panic!("{e}"));
-    let map = ColumnMap::parse(&draft.map, "draft").unwrap_or_else(|e| panic!("{e}\n{}", draft.map));
+    let map =
+        ColumnMap::parse(&draft.map, "draft").unwrap_or_else(|e| panic!("{e}\n{}", draft.map));
     let recording = read_by(&path, Some(&map)).unwrap_or_else(|e| panic!("{e}\n{}", draft.map));
     (draft, recording)
 }
@@ -50,7 +51,8 @@ fn is_what_it_was(recording: &Recording, map: &str) {
     assert_eq!(recording.time.len(), ROWS, "{map}");
     for (quantity, stem) in ["actual_q", "actual_qd", "actual_current"].iter().enumerate() {
         for j in 0..6 {
-            let values = recording.channel(&format!("{stem}_{j}")).unwrap_or_else(|| panic!("{map}"));
+            let values =
+                recording.channel(&format!("{stem}_{j}")).unwrap_or_else(|| panic!("{map}"));
             for k in [10, 700] {
                 let off = values[k] - state(j, k)[quantity];
                 assert!(off.abs() < 1e-3, "{stem}_{j}, row {k}: off by {off}\n{map}");

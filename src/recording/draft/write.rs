@@ -6,13 +6,7 @@ use super::Block;
 use super::source::Columns;
 use super::units::Clock;
 
-pub fn map(
-    path: &Path,
-    columns: &Columns,
-    time: usize,
-    clock: &Clock,
-    blocks: &[Block],
-) -> String {
+pub fn map(path: &Path, columns: &Columns, time: usize, clock: &Clock, blocks: &[Block]) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let mut text = format!(
         "# Column map of {name}, drafted by armtwin {}: look through the guesses.\n\
