@@ -31,6 +31,9 @@ pub struct Args {
     /// Write a twin of the arm whose weight is carried, where one can be told
     #[arg(long, value_name = "TWIN.toml")]
     save_twin: Option<PathBuf>,
+    /// Write the draft and what was told as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -40,6 +43,13 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let arm = recording.as_ref().ok().and_then(|r| likely_arms(r).first().copied());
     let text =
         draft.map.clone() + &remarks(&draft, recording.as_ref().map_err(|e| e.to_string()), arm);
+    if let Some(path) = &args.json {
+        let all = serde_json::json!({
+            "file": &args.file, "map": &text, "joints": draft.joints, "signals": &draft.stems,
+            "robot": arm.map(|(name, _)| name),
+        });
+        save::json(path, "armtwin.map/1", &all)?;
+    }
     match &args.out {
         Some(path) => {
             save::text(path, &text)?;

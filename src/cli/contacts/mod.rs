@@ -12,8 +12,8 @@ use anyhow::Context;
 use self::arm::{Arm, Source};
 use super::conditioning::ConditioningArgs;
 use super::recordings::WorkArgs;
-use super::save;
 use super::twin::ArmArgs;
+use super::{progress, save};
 use crate::external_wrench::Criteria;
 
 /// Estimate forces from outside: when something touched the arm, which link, how strongly
@@ -78,11 +78,13 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let recording = read(path, None)?;
     let fit = args.fit.clone().map(|path| read(path, args.fit_columns.as_ref())).transpose()?;
     let how = args.conditioning.over(arm::conditioning());
+    let spinner = progress::spinner("fitting the twin and searching for contacts");
     let arm = Arm::fitted(&given.twin, fit.as_ref().unwrap_or(&recording), &args.with, &how)?;
     let free = args.free.iter().map(|path| read(path.clone(), None));
     let free: Vec<Source> = fit.into_iter().map(Ok).chain(free).collect::<anyhow::Result<_>>()?;
     let criteria = Criteria { at_flange: args.at_flange, ..Criteria::default() };
     let found = arm.contacts(&recording, &free, &criteria)?;
+    spinner.finish_and_clear();
     if let Some(path) = &args.json {
         let all = serde_json::json!({ "criteria": &criteria, "contacts": &found });
         save::json(path, "armtwin.contacts/1", &all)?;

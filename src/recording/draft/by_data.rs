@@ -6,8 +6,8 @@ use super::source::Columns;
 /// s, over which changes are held against sums.
 const STRETCH_S: f64 = 0.25;
 const MOST_STRETCHES: usize = 1000;
-/// Correlation from which on a column is what another changes by.
-const DERIVATIVE: f64 = 0.95;
+/// Correlation from which on a column is what another changes by; friction's follows velocity by .97.
+const DERIVATIVE: f64 = 0.99;
 /// Correlation of two columns of one motion.
 const ALIKE: f64 = 0.99;
 /// Share of a column that friction (direction and size of velocity) explains, where it is torque or current.
