@@ -280,3 +280,22 @@ fn real_recordings_raise_no_doubt() {
     }
     assert!(seen >= 35, "{seen} recordings");
 }
+
+#[test]
+fn effort_is_told_by_the_weight_of_the_arm_that_is_named() {
+    let drive = Drive::ur5();
+    for (stem, torque) in [("actual_current", false), ("joint_torque", true)] {
+        let mut recording = recorded(&Truth::default());
+        for channel in &mut recording.channels {
+            let Some(j) = channel.name.strip_prefix("actual_current_") else { continue };
+            let j: usize = j.parse().unwrap();
+            let factor = if torque { drive.torque_per_ampere(j) } else { 1.0 };
+            channel.values.iter_mut().for_each(|v| *v *= factor);
+            channel.name = format!("effort_{j}");
+        }
+        crate::recording::settle_effort(&mut recording, &Twin::default().robot);
+        assert_eq!(recording.joint_count(stem), 6, "{:?}", recording.provenance.notes);
+        assert!(recording.provenance.notes[0].contains("by gravity"));
+        assert_eq!(held(&recording, false).doubts, []);
+    }
+}
