@@ -95,7 +95,7 @@ fn whole(usual: &Reading) -> Vec<Reading> {
             format!(
                 "the recorded torque carries the arm where actual_q is read {unit}, not as it is"
             ),
-            format!("say scale = {factor:.9} for actual_q"),
+            format!("say scale = {factor:.9} for actual_q and actual_qd"),
         ),
         ..usual.clone()
     };

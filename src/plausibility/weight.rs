@@ -23,6 +23,8 @@ const GOOD: f64 = 0.8;
 const LEAVES: f64 = 0.1;
 /// ... and of no other column more than this times as much and this share of it.
 const LOSS: (f64, f64) = (1.5, 0.02);
+/// Readings explain alike whose logarithms of what is left, summed over columns, differ by less.
+const ALIKE: f64 = 0.5;
 /// Share of a column that signs which cannot be have to explain for it to be contradicted.
 const CONTRADICTED: f64 = 0.03;
 /// The heaviest load that an arm is built for, as a share of its moving mass (UR arms: 0.25 to 0.38).
@@ -148,8 +150,9 @@ fn reading(body: &Body, motion: &Motion, torque: &JointSeries, as_is: &Explained
     };
     let found: Vec<(f64, Reading)> =
         alternatives(body.robot.dof()).into_par_iter().filter_map(better).collect();
-    let best = found.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-    Some(best.1.doubt)
+    let least = found.iter().map(|(left, _)| *left).fold(f64::INFINITY, f64::min);
+    // The list begins with the simpler: of readings that explain alike, the first is said.
+    found.into_iter().find(|(left, _)| *left <= least + ALIKE).map(|(_, reading)| reading.doubt)
 }
 
 fn explain(body: &Body, motion: &Motion, torque: &JointSeries, reading: &Reading) -> Explained {

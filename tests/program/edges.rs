@@ -98,7 +98,11 @@ fn seven_joints_are_no_ur5() {
 fn the_arm_stands_in_the_first_line_and_its_drive_is_asked_for() {
     let folder = simulated("ur3e", "12");
     let fit = folder.path().join("fit.csv");
-    stopped(&fit, &[], &["joint 2: the torque is", "ur5, which was assumed", "--robot NAME"]);
+    stopped(
+        &fit,
+        &[],
+        &["joint 2: the torque is", "a ur5 asks for, which was assumed", "--robot NAME"],
+    );
     let needs = ["no torque constants are published for the ur3e", "[drive]", "joint_torque_*"];
     stopped(&fit, &["--robot", "ur3e"], &needs);
     let unknown = armtwin(&["identify", text(&fit), "--robot", "ur3x"]);
@@ -129,9 +133,11 @@ fn the_arm_stands_in_the_first_line_and_its_drive_is_asked_for() {
 
 #[test]
 fn wrong_units_stop_every_command_and_force_goes_on() {
-    let folder = simulated("ur5", "12");
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = ["simulate", "scenarios/ur5_friction.toml", "--duration", "12", "--out"];
+    let made = armtwin(&[&scenario[..], &[text(folder.path())]].concat());
+    assert_eq!(made.code, 0, "{}", made.stderr);
     let fit = std::fs::read_to_string(folder.path().join("fit.csv")).unwrap();
-    let fit = scaled(&fit, "actual_current", 10.1 / 13.6);
     let log = folder.path().join("log.csv");
     let write = |text: String| std::fs::write(&log, text).unwrap();
     let degree = 57.295_779_513;
@@ -190,7 +196,8 @@ fn a_stretch_is_read_and_fast_recordings_are_thinned() {
     let fast = scaled(&csv(6, "joint_torque"), "timestamp", 0.125);
     std::fs::write(path("fast.csv"), scaled(&fast, "actual_qd", 8.0)).unwrap();
     let force = ["--force", "--margin", "0.1"];
-    let contacts = [&["contacts", &path("fast.csv")], &force[..]].concat();
+    let fast = path("fast.csv");
+    let contacts = [&["contacts", fast.as_str()], &force[..]].concat();
     let thinned = armtwin(&contacts);
     assert!(
         thinned.stderr.contains("2000 rows at 1000 Hz are thinned to 250 at 125 Hz"),
