@@ -50,7 +50,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Of `--json`.
+/// What `--json` writes.
 #[derive(serde::Serialize)]
 struct Inspected<'a> {
     #[serde(flatten)]

@@ -132,7 +132,7 @@ pub fn identify(
     identify_telling(fit, check, settings, &|| {})
 }
 
-/// The same, and tells whenever one joint is through one method.
+/// Fits like [`identify`], and tells whenever one joint is through one method.
 ///
 /// # Errors
 /// As [`identify`].

@@ -26,7 +26,7 @@ pub struct Fit {
     pub power: f64,
     /// Share that all explain.
     pub total: f64,
-    /// The same with friction that takes power, and an arm that is carried and does not carry.
+    /// Share that all explain with friction that takes power, and an arm that is carried and does not carry.
     pub physical: f64,
 }
 

@@ -3,8 +3,8 @@
 //!
 //! Nothing is called wrong for being large. A recording is doubted where another reading of the same
 //! columns (another unit, sign or order, from a short list) explains what this one does not
-//! ([`readings`]), or where a factor is beyond anything that a load, a gain or another build makes
-//! ([`FACTOR`]). So friction, loads, delays and offsets, whatever their size, raise no doubt: finding
+//! (`readings`), or where a factor is beyond anything that a load, a gain or another build makes
+//! (`FACTOR`). So friction, loads, delays and offsets, whatever their size, raise no doubt: finding
 //! them is what the rest of the program is for.
 
 mod clock;
@@ -68,7 +68,7 @@ pub fn judge(recording: &Recording, arm: &Arm<'_>) -> Judgement {
     Judgement { doubts, slopes }
 }
 
-/// The same without an arm: what the columns say of each other.
+/// What the columns say of each other, where no arm is known.
 pub fn judge_alone(recording: &Recording) -> Vec<Doubt> {
     let clock = clock::guess(recording);
     let scale = clock.as_ref().map_or(1.0, |c| c.scale);

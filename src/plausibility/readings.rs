@@ -34,7 +34,7 @@ impl Reading {
         }
     }
 
-    /// Of a series of position, velocity or acceleration by column, that by joint.
+    /// A series of position, velocity or acceleration, from columns to joints.
     pub fn position(&self, columns: &JointSeries) -> JointSeries {
         columns.map_joints(|j, _| {
             columns.joint(self.q[j]).iter().map(|x| self.q_scale[j] * x).collect()

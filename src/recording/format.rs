@@ -44,7 +44,7 @@ pub fn read(path: &Path, columns: Option<&Path>) -> Result<Recording, RecordingE
     read_by(path, map.as_ref())
 }
 
-/// The same by a column map that is at hand.
+/// Reads like [`read`], by a column map that is at hand.
 pub fn read_by(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError> {
     if !path.exists() {
         return Err(RecordingError::NotFound { file: path.display().to_string() });

@@ -134,7 +134,7 @@ fn correlation(x: &[f64], y: &[f64]) -> Option<f64> {
     (xx > 0.0 && yy > 0.0).then(|| xy / (xx * yy).sqrt())
 }
 
-/// Of blocks that are positions of the same joints, the one with noise on it.
+/// The block with noise on it, of those that are positions of the same joints.
 fn measured(columns: &Columns, positions: &[usize], joints: usize) -> Option<usize> {
     let first = *positions.first()?;
     let same = |p: &&usize| {
