@@ -26,6 +26,7 @@ pub mod kernels;
 pub mod limits;
 pub mod motion;
 pub mod motor;
+pub mod plausibility;
 pub mod recording;
 pub mod regression;
 pub mod report;

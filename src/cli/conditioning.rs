@@ -52,6 +52,14 @@ impl ConditioningArgs {
         self.over(Conditioning::default())
     }
 
+    /// The least rate of a recording that what was given can do with, Hz.
+    pub fn floor_hz(&self) -> f64 {
+        // A low-pass wants its cutoff well below half the rate; who decimates counts recorded rows.
+        let cutoffs = [self.motion_cutoff, self.torque_cutoff].map(|c| 2.5 * c.unwrap_or(0.0));
+        let rates = [self.rate.unwrap_or(0.0), self.decimate.map_or(0.0, |_| f64::INFINITY)];
+        cutoffs.into_iter().chain(rates).fold(0.0, f64::max)
+    }
+
     /// `usual` with what was given written over it.
     pub fn over(&self, usual: Conditioning) -> Conditioning {
         Conditioning {

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::outputs::Output;
+use super::recordings::ReadArgs;
 use super::save;
+use super::twin::ArmArgs;
 use crate::recording::{self, Delimiter, Provenance, WriteOptions};
 
 /// Convert a recording of any supported format into another
@@ -14,6 +16,7 @@ use crate::recording::{self, Delimiter, Provenance, WriteOptions};
   armtwin convert Movement_No6 -o movement6.csv.gz
   armtwin convert log.csv --columns scenarios/columns/ur10e_shamilmamedov.toml -o rtde.csv
   armtwin convert rtde.csv -o for_the_official_client.csv --delimiter blank
+  armtwin convert long.csv --from 20 --to 60 -o short.csv
   armtwin convert bag_folder --columns scenarios/columns/ros2_bag.toml -o run.parquet
 
 Read: RTDE CSV, any CSV by a column map, folders with one log per signal, ROS 2 bags (.mcap, .db3,
@@ -24,9 +27,10 @@ pub struct Args {
     /// File to write: .csv, .csv.gz, .parquet, .mcap or .db3
     #[arg(short, long, value_name = "FILE")]
     out: Output,
-    /// Column map (TOML) of a CSV without RTDE names, or of a bag
-    #[arg(long, value_name = "MAP")]
-    columns: Option<PathBuf>,
+    #[command(flatten)]
+    read: ReadArgs,
+    #[command(flatten)]
+    arm: ArmArgs,
     /// Between the columns of a CSV that is written
     #[arg(long, value_enum, default_value = "comma")]
     delimiter: Between,
@@ -67,7 +71,11 @@ impl From<Between> for Delimiter {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     recording::writer(&args.out)?;
-    let recording = recording::read(&args.recording, args.columns.as_deref())?;
+    let mut recording = args.read.read(&args.recording)?;
+    if args.arm.given() {
+        // Its weight tells what a bag's effort is; nothing else here depends on the arm.
+        recording::settle_effort(&mut recording, &args.arm.load()?.twin.robot);
+    }
     for note in &recording.provenance.notes {
         eprintln!("note: {note}");
     }

@@ -3,8 +3,11 @@
 use std::path::PathBuf;
 
 use super::outputs::Output;
+use super::recordings::{ReadArgs, words};
 use super::save;
-use crate::recording;
+use super::twin::ArmArgs;
+use crate::plausibility::{self, Judgement, Slope};
+use crate::recording::Recording;
 use crate::recording::inspection::{Inspection, JointMotion, JointSignal, Signal, inspect};
 use crate::report::table;
 
@@ -14,13 +17,18 @@ use crate::report::table;
   armtwin inspect log.csv
   armtwin inspect Movement_No6 --json inspection.json
   armtwin inspect log.csv --columns scenarios/columns/ur10e_shamilmamedov.toml
-  armtwin inspect rosbag2_folder")]
+  armtwin inspect rosbag2_folder
+  armtwin inspect log.csv --robot ur10e
+
+With the arm, named by --robot or --twin, the weight that the recorded torque carries is held against the
+arm's: that tells units, signs and the order of columns.")]
 pub struct Args {
     /// File, bag, or folder with one log per signal
     recording: PathBuf,
-    /// Column map (TOML) of a CSV without RTDE names, or of a bag
-    #[arg(long, value_name = "MAP")]
-    columns: Option<PathBuf>,
+    #[command(flatten)]
+    read: ReadArgs,
+    #[command(flatten)]
+    arm: ArmArgs,
     /// Write the findings as JSON too
     #[arg(long, value_name = "FILE")]
     json: Option<Output>,
@@ -29,14 +37,62 @@ pub struct Args {
 const WIDTH: usize = 96;
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let recording = recording::read(&args.recording, args.columns.as_deref())?;
-    let inspection = inspect(&recording);
-    print!("{}", page(&inspection));
-    args.json.as_ref().map_or(Ok(()), |path| save::document(path, &inspection))
+    let mut recording = args.read.read(&args.recording)?;
+    let (arm, judged) = held_against(&args.arm, &mut recording)?;
+    let mut inspection = inspect(&recording);
+    let doubts = judged.doubts.iter().map(words);
+    inspection.findings = doubts.chain(inspection.findings).collect();
+    let inspected =
+        Inspected { inspection: &inspection, arm: &arm, torque_over_predicted: &judged.slopes };
+    print!("{}", page(&inspected));
+    args.json.as_ref().map_or(Ok(()), |path| save::document(path, &inspected))
 }
 
-fn page(inspection: &Inspection) -> String {
-    let mut text = heading(inspection);
+/// What `--json` writes.
+#[derive(serde::Serialize)]
+struct Inspected<'a> {
+    #[serde(flatten)]
+    inspection: &'a Inspection,
+    /// Who it is, and who says so.
+    arm: &'a str,
+    /// Joint by joint, where the arm's weight tells.
+    torque_over_predicted: &'a [Option<Slope>],
+}
+
+/// The line about the arm, and what it and the recording say of each other; where the recording is not of
+/// this arm, what the recording says of itself, and why.
+fn held_against(given: &ArmArgs, recording: &mut Recording) -> anyhow::Result<(String, Judgement)> {
+    let arm = given.load()?;
+    let Err(why) = arm.settle(recording) else {
+        return Ok((arm.line(), arm.judge(recording)));
+    };
+    let mut doubts = plausibility::judge_alone(recording);
+    let what = why.to_string();
+    let what = what.strip_prefix(&format!("{}: ", recording.provenance.source)).unwrap_or(&what);
+    doubts.push(plausibility::Doubt { what: what.into(), remedy: String::new() });
+    let line = match arm.assumed() {
+        true => "arm: not known (--robot NAME or --twin FILE says which)".into(),
+        false => arm.line(),
+    };
+    Ok((line, Judgement { doubts, slopes: Vec::new() }))
+}
+
+/// How the recorded torque carries the arm.
+fn carried(slopes: &[Option<Slope>]) -> Option<String> {
+    let told = slopes.iter().enumerate().filter_map(|(j, s)| Some((j + 1, (*s)?)));
+    let each: Vec<String> = told
+        .map(|(joint, s)| {
+            format!("joint {joint}: {:.2} ({:.0} % explained)", s.value, 1e2 * s.explained)
+        })
+        .collect();
+    (!each.is_empty()).then(|| {
+        format!("recorded torque over the arm's weight and inertia: {}\n", each.join(", "))
+    })
+}
+
+fn page(inspected: &Inspected<'_>) -> String {
+    let inspection = inspected.inspection;
+    let mut text = format!("{}\n{}", inspected.arm, heading(inspection));
     text += &format!("\n{}\n", signals(&inspection.signals));
     text += "noise: white noise at rest, from second differences; ~ an upper bound, from motion\n\
              step: smallest difference between values. Both of the worst column.\n";
@@ -47,6 +103,9 @@ fn page(inspection: &Inspection) -> String {
     }
     if let Some(drive) = drive(inspection) {
         text += &format!("\n{drive}\n");
+    }
+    if let Some(carried) = carried(inspected.torque_over_predicted) {
+        text += &format!("\n{carried}");
     }
     text += &list("While reading", &inspection.notes, "nothing was dropped or mended");
     text + &list("What is wrong with it", &inspection.findings, "nothing found")

@@ -20,10 +20,12 @@ mod identify;
 mod inspect;
 mod interrupt;
 mod man;
+mod map;
 mod motor;
 mod motor_archive;
 mod outputs;
 mod progress;
+mod recordings;
 mod recovery;
 mod robots;
 mod save;
@@ -66,6 +68,7 @@ enum Command {
     Identify(identify::Args),
     Inspect(inspect::Args),
     Man(man::Args),
+    Map(map::Args),
     Motor(motor::Args),
     Recovery(recovery::Args),
     Robots(robots::Args),
@@ -124,6 +127,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Identify(args) => identify::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Man(args) => man::run(&args),
+        Command::Map(args) => map::run(&args),
         Command::Motor(args) => motor::run(&args),
         Command::Recovery(args) => recovery::run(&args),
         Command::Robots(args) => robots::run(&args),

@@ -11,6 +11,16 @@ pub fn simulating(seconds: f64) -> ProgressBar {
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
+/// A bar over work that is counted.
+pub fn counting(doing: &'static str, of: u64) -> ProgressBar {
+    let template = format!("{doing} {{pos}} of {{len}} {{wide_bar}} {{eta}} left");
+    let style = ProgressStyle::with_template(&template);
+    let bar =
+        ProgressBar::new(of).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.enable_steady_tick(Duration::from_millis(100));
+    bar
+}
+
 /// Says what is being done for as long as nobody knows.
 pub fn spinner(what: &str) -> ProgressBar {
     let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");

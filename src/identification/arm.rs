@@ -129,6 +129,19 @@ pub fn identify(
     check: Option<&ArmProblem>,
     settings: &Settings,
 ) -> Result<Vec<MethodResult>, IdentificationError> {
+    identify_telling(fit, check, settings, &|| {})
+}
+
+/// Fits like [`identify`], and tells whenever one joint is through one method.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_telling(
+    fit: &ArmProblem,
+    check: Option<&ArmProblem>,
+    settings: &Settings,
+    tell: &(dyn Fn() + Sync),
+) -> Result<Vec<MethodResult>, IdentificationError> {
     if settings.methods.contains(&Method::Mcmc) && !fit.shared.is_empty() {
         let names: Vec<_> = fit.shared.iter().map(|p| p.name.as_str()).collect();
         return Err(IdentificationError::SharedPosterior { names: names.join(", ") });
@@ -139,8 +152,10 @@ pub fn identify(
     let prepared: Vec<Prepared> =
         joints.into_par_iter().map(Prepared::new).collect::<Result<_, _>>()?;
     let one = |&method: &Method| {
-        let searched: Vec<Searched> =
-            prepared.par_iter().map(|p| search(p, method, settings)).collect::<Result<_, _>>()?;
+        let searched: Vec<Searched> = prepared
+            .par_iter()
+            .map(|p| search(p, method, settings).inspect(|_| tell()))
+            .collect::<Result<_, _>>()?;
         let xs: Vec<Vec<f64>> = searched.iter().map(|s| s.x.clone()).collect();
         let found = Found { joints: xs, shared: common.clone() };
         report(method, &prepared, fit, check.as_deref(), searched, found)

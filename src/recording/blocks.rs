@@ -69,6 +69,11 @@ impl Blocks {
         self.at = self.whole - block + used.min(block);
     }
 
+    /// The block of this length that came last.
+    pub fn last(&self, block: usize) -> &[u8] {
+        &self.buffer[self.whole - block..self.whole]
+    }
+
     /// Of text, so far.
     pub fn bytes(&self) -> u64 {
         self.bytes

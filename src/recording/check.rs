@@ -123,6 +123,30 @@ impl Recording {
     }
 }
 
+/// Renames joints that are counted from 1 throughout; says so.
+pub fn count_from_zero(names: &mut [String]) -> Option<String> {
+    let joint = |name: &str| {
+        split_index(name).filter(|(stem, _)| JOINT_SIGNALS.contains(stem)).map(|(_, j)| j)
+    };
+    let lowest = names.iter().filter_map(|n| joint(n)).min()?;
+    if lowest != 1 {
+        return None;
+    }
+    // A single joint that is missing at the base is no count from 1: all signals begin there.
+    let begins = |stem: &str| names.iter().any(|n| *n == format!("{stem}_1"));
+    let there =
+        |stem: &&&str| names.iter().any(|n| split_index(n).is_some_and(|(s, _)| s == **stem));
+    if !JOINT_SIGNALS.iter().filter(there).all(|stem| begins(stem)) {
+        return None;
+    }
+    for name in names.iter_mut() {
+        if let Some((stem, j)) = split_index(name).filter(|(s, _)| JOINT_SIGNALS.contains(s)) {
+            *name = format!("{stem}_{}", j - 1);
+        }
+    }
+    Some("joints are counted from 1 in the column names (actual_q_1 is joint 1)".into())
+}
+
 /// `actual_q_3` -> (`actual_q`, 3)
 pub fn split_index(name: &str) -> Option<(&str, usize)> {
     let (stem, index) = name.rsplit_once('_')?;

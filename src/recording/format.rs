@@ -42,6 +42,11 @@ pub struct WriteOptions {
 /// Reads a recording in whatever format it is; `columns` is the path of a column map.
 pub fn read(path: &Path, columns: Option<&Path>) -> Result<Recording, RecordingError> {
     let map = columns.map(ColumnMap::load).transpose()?;
+    read_by(path, map.as_ref())
+}
+
+/// Reads like [`read`], by a column map that is at hand.
+pub fn read_by(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError> {
     if !path.exists() {
         return Err(RecordingError::NotFound { file: path.display().to_string() });
     }
@@ -50,7 +55,7 @@ pub fn read(path: &Path, columns: Option<&Path>) -> Result<Recording, RecordingE
     }
     for format in FORMATS {
         if format.reads(path) {
-            return format.read(path, map.as_ref());
+            return format.read(path, map);
         }
     }
     Err(unknown_extension(path))

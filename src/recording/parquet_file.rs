@@ -73,13 +73,19 @@ struct Wanted {
     scale: f64,
 }
 
-fn read(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError> {
-    let file = path.display().to_string();
-    let wrong = |e: &dyn std::error::Error| damaged(path, e.to_string());
+/// The file and what reads it, its footer looked at.
+fn reader(path: &Path) -> Result<(File, ParquetRecordBatchReaderBuilder<File>), RecordingError> {
     let opened = open(path)?;
     sizes::footer(&opened).map_err(|e| refusal(path, e))?;
     let again = opened.try_clone().map_err(cannot(path, "read"))?;
-    let builder = ParquetRecordBatchReaderBuilder::try_new(again).map_err(|e| wrong(&e))?;
+    let builder = ParquetRecordBatchReaderBuilder::try_new(again)
+        .map_err(|e| damaged(path, e.to_string()))?;
+    Ok((opened, builder))
+}
+
+fn read(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError> {
+    let file = path.display().to_string();
+    let (opened, builder) = reader(path)?;
     let schema = builder.schema().clone();
     let mut notes = Vec::new();
     let (time, wanted) = match map {
@@ -145,6 +151,27 @@ fn take(
         }
     }
     Ok(columns)
+}
+
+/// Names and values of all columns, empty where they hold no numbers; time stamps in s.
+///
+/// # Errors
+/// If it is no Parquet file, or too large.
+pub fn columns(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), RecordingError> {
+    let read = || {
+        let (opened, builder) = reader(path)?;
+        let schema = builder.schema().clone();
+        let kinds: Vec<&DataType> = schema.fields().iter().map(|f| f.data_type()).collect();
+        let number = |kind: &DataType| kind.is_numeric() || seconds_per_unit(kind) != 1.0;
+        let roots: Vec<usize> = (0..kinds.len()).filter(|c| number(kinds[*c])).collect();
+        let mut values = take(path, &opened, builder, &roots)?;
+        for (column, kind) in values.iter_mut().zip(kinds) {
+            let scale = seconds_per_unit(kind);
+            column.iter_mut().for_each(|v| *v *= scale);
+        }
+        Ok((schema.fields().iter().map(|f| f.name().clone()).collect(), values))
+    };
+    guarded(read).unwrap_or_else(|why| Err(damaged(path, why)))
 }
 
 fn look_at_pages(

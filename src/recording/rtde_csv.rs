@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::check::refuse_bad;
+use super::check::{count_from_zero, refuse_bad};
 use super::file::cannot;
 use super::format::{Format, WriteOptions};
 use super::text::{Layout, Text};
@@ -52,7 +52,7 @@ impl Format for RtdeCsv {
 fn read(path: &Path) -> Result<Recording, RecordingError> {
     let mut text = Text::open(path, &Layout::default())?;
     text.refuse_duplicates()?;
-    let Some(names) = text.header.clone() else {
+    let Some(mut names) = text.header.clone() else {
         let (file, row, columns) = (text.file, text.first_line, text.width);
         return Err(RecordingError::NoHeader { file, row, columns });
     };
@@ -67,6 +67,7 @@ fn read(path: &Path) -> Result<Recording, RecordingError> {
     let mut wanted: Vec<usize> = (0..names.len()).filter(|c| *c != time).collect();
     wanted.insert(0, time);
     let mut table = table::read(&mut text, &wanted)?;
+    table.notes.extend(count_from_zero(&mut names));
     let mut columns = std::mem::take(&mut table.columns).into_iter();
     let recording = Recording {
         time: columns.next().unwrap_or_default(),

@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use super::RecordingError;
+use super::mend::{drop_repeated, drop_rows, most_leading, most_without};
 use super::text::Text;
 use crate::limits::{self, ROWS, TooMuch};
 
@@ -11,8 +12,6 @@ use crate::limits::{self, ROWS, TooMuch};
 const LARGEST: f64 = 1e12;
 /// Times may be nanoseconds since 1970.
 const LARGEST_TIME: f64 = 1e20;
-/// Recorders start with memory garbage for a few rows; more than this is no start-up.
-const MOST_LEADING_ROWS: usize = 100;
 const BYTES_PER_CHUNK: usize = 1 << 17;
 
 /// Numbers of the wanted columns.
@@ -99,15 +98,12 @@ fn parse_chunk<const D: u8>(part: &[u8], slots: &[Option<usize>], wanted: usize)
     while start < part.len() {
         let end = memchr::memchr(b'\n', &part[start..]).map_or(part.len(), |n| start + n);
         let line = trim(&part[start..end]);
-        if !line.is_empty() {
+        if !line.is_empty() && line[0] != b'#' {
             let row = chunk.lines.len();
             chunk.lines.push(chunk.line_count);
             if let Err((column, kind)) = parse_row::<D>(line, slots, &mut chunk.columns) {
                 chunk.columns.iter_mut().for_each(|c| c.resize(row + 1, f64::NAN));
                 chunk.faults.push(Fault { row, column, kind });
-                if chunk.faults.len() > MOST_LEADING_ROWS + 1 {
-                    break;
-                }
             }
         }
         chunk.line_count += 1;
@@ -155,8 +151,16 @@ fn parse_row<const D: u8>(
 /// The number that fills the cell beginning at `at`, and where the cell ends.
 #[inline]
 fn number<const D: u8>(line: &[u8], at: usize) -> Option<(f64, usize)> {
+    let quote = line.get(at).copied().filter(|b| matches!(b, b'"' | b'\''));
+    let at = at + usize::from(quote.is_some());
     let (value, length) = fast_float2::parse_partial::<f64, _>(&line[at..]).ok()?;
     let mut end = at + length;
+    if quote.is_some() {
+        if line.get(end).copied() != quote {
+            return None;
+        }
+        end += 1;
+    }
     while D != b' ' && line.get(end).is_some_and(|b| *b == b' ' || (*b == b'\t' && D != b'\t')) {
         end += 1;
     }
@@ -225,13 +229,15 @@ impl Table {
         limits::NUMBERS.allow((self.rows() * self.columns.len()) as u64)
     }
 
-    /// Is there a fault that is neither garbage at the start nor in a last line that may be cut?
+    /// Is there a fault that no row left out mends, before a last line that may be cut?
     fn is_beyond_mending(&self, faults: &[Fault]) -> bool {
-        faults.get(leading_garbage(faults)).is_some_and(|f| f.row + 1 < self.rows())
+        let wrong = |f: &Fault| !f.kind.says_nothing() && f.row + 1 < self.rows();
+        faults.len() > most_leading(ROWS.most as usize) || faults.iter().any(wrong)
     }
 
-    /// Drops a cut last line and leading garbage rows, with a note; refuses any other fault. Is the last
-    /// line `finished`, that is, has it an end?
+    /// Drops a cut last line, leading rows and a few others without a number, and rows that repeat a
+    /// stamp, with a note each; refuses any other fault. Is the last line `finished`, that is, has it an
+    /// end?
     fn settle(
         &mut self,
         text: &Text,
@@ -239,14 +245,21 @@ impl Table {
         finished: bool,
     ) -> Result<(), RecordingError> {
         self.drop_cut_last_line(text, &mut faults, finished);
-        let leading = leading_garbage(&faults);
-        if let Some(fault) = faults.get(leading) {
-            let fault = if leading == MOST_LEADING_ROWS { &faults[0] } else { fault };
+        let leading = leading_garbage(&faults, most_leading(self.rows()));
+        let (first, others) = faults.split_at(leading);
+        let most = most_without(self.rows());
+        if let Some(fault) = others.iter().find(|f| !f.kind.says_nothing()) {
             return Err(self.refusal(text, fault));
         }
-        if leading > 0 {
-            self.drop_leading(text, leading, &faults[0]);
+        if others.len() > most {
+            let throughout = leading == most_leading(self.rows());
+            return Err(self.refusal(text, if throughout { &faults[0] } else { &others[0] }));
         }
+        self.note_dropped(text, first, "leading row(s)");
+        self.note_dropped(text, others, "row(s)");
+        let out: Vec<usize> = faults.iter().map(|f| f.row).collect();
+        drop_rows(&mut self.columns, &mut self.lines, &out);
+        self.notes.extend(drop_repeated(&mut self.columns, &mut self.lines));
         Ok(())
     }
 
@@ -270,18 +283,22 @@ impl Table {
         self.columns.iter_mut().for_each(|c| c.truncate(last));
     }
 
-    fn drop_leading(&mut self, text: &Text, count: usize, first: &Fault) {
-        let FaultKind::Garbage(value) = first.kind else { return };
+    fn note_dropped(&mut self, text: &Text, faults: &[Fault], which: &str) {
+        let (Some(first), Some(last)) = (faults.first(), faults.last()) else { return };
+        let value = match &first.kind {
+            FaultKind::Garbage(value) => format!("{value:e}"),
+            _ => "no number".into(),
+        };
+        let lines = match first.row == last.row {
+            true => format!("line {}", self.lines[first.row]),
+            false => format!("lines {} to {}", self.lines[first.row], self.lines[last.row]),
+        };
         self.notes.push(format!(
-            "dropped {count} leading row(s), lines {} to {}, with values no arm has (line {}, \
-             column {}: {value:e})",
-            self.lines[0],
-            self.lines[count - 1],
+            "dropped {} {which}, {lines}, with values no arm has (line {}, column {}: {value})",
+            faults.len(),
             self.lines[first.row],
             text.column_name(first.column),
         ));
-        self.lines.drain(..count);
-        self.columns.iter_mut().for_each(|c| drop(c.drain(..count)));
     }
 
     fn refusal(&self, text: &Text, fault: &Fault) -> RecordingError {
@@ -312,12 +329,22 @@ impl Table {
     }
 }
 
-/// How many rows at the very start hold garbage.
-fn leading_garbage(faults: &[Fault]) -> usize {
-    faults
-        .iter()
-        .enumerate()
-        .take(MOST_LEADING_ROWS)
-        .take_while(|(k, f)| f.row == *k && matches!(f.kind, FaultKind::Garbage(_)))
-        .count()
+/// How many rows at the very start say nothing, up to `most`.
+fn leading_garbage(faults: &[Fault], most: usize) -> usize {
+    let at_start = |(k, f): &(usize, &Fault)| f.row == *k && f.kind.says_nothing();
+    faults.iter().enumerate().take(most).take_while(at_start).count()
+}
+
+/// What programs write where there is no number.
+const MISSING: [&str; 6] = ["", "na", "n/a", "null", "none", "\"\""];
+
+impl FaultKind {
+    /// No number, or one no arm has: the row can be left out. Words and other widths are another table.
+    fn says_nothing(&self) -> bool {
+        match self {
+            Self::Garbage(_) => true,
+            Self::NotANumber(cell) => MISSING.contains(&cell.to_lowercase().as_str()),
+            Self::Columns(_) => false,
+        }
+    }
 }

@@ -106,9 +106,52 @@ fn a_cell_that_is_no_quantity_is_named() {
         ("1.0x", "\"1.0x\" is not a number"),
     ] {
         let mut lines = csv(20);
-        lines[10] = format!("0.072,{cell},0");
+        for (line, time) in [(10, "0.072"), (15, "0.112")] {
+            lines[line] = format!("{time},{cell},0");
+        }
         refused(read_lines(&lines), &["log.csv: row 11, column actual_q_0", what, "the row"]);
     }
+}
+
+#[test]
+fn one_row_without_a_number_or_with_a_stamp_again_is_left_out_and_said() {
+    for cell in ["nan", "", "NA", "1e254"] {
+        let mut lines = csv(20);
+        lines[10] = format!("0.072,{cell},0");
+        let recording = read_lines(&lines).unwrap();
+        assert_eq!(recording.time.len(), 19, "{cell}");
+        let note = &recording.provenance.notes[0];
+        assert!(
+            note.contains("dropped 1 row(s), line 11") && note.contains("actual_q_0"),
+            "{note}"
+        );
+    }
+    let mut lines = csv(20);
+    lines[10] = lines[9].clone();
+    let recording = read_lines(&lines).unwrap();
+    assert_eq!(recording.time.len(), 19);
+    assert!(recording.provenance.notes[0].contains("time stamp of the row before"));
+}
+
+#[test]
+fn quoted_numbers_comments_and_joints_from_1_are_read() {
+    let plain = read_lines(&csv(20)).unwrap();
+    let mut lines = csv(20);
+    for line in &mut lines {
+        *line = line.split(',').map(|c| format!("\"{c}\"")).collect::<Vec<_>>().join(",");
+    }
+    lines[0] = "timestamp,actual_q_1,actual_q_2".into();
+    lines.insert(5, "# a remark, with a comma".into());
+    lines.insert(0, "# recorded on Monday".into());
+    lines.insert(1, "# by a logger".into());
+    let read = read_lines(&lines).unwrap();
+    assert_eq!((&read.time, &read.channels), (&plain.time, &plain.channels));
+    assert!(read.provenance.notes[0].contains("counted from 1"), "{:?}", read.provenance.notes);
+    let mut commented = csv(20);
+    commented[0] = format!("# {}", commented[0]);
+    commented.insert(0, "# numpy writes names like this".into());
+    let read = read_lines(&commented).unwrap();
+    assert_eq!((&read.time, &read.channels), (&plain.time, &plain.channels));
 }
 
 #[test]
@@ -166,6 +209,8 @@ fn time_must_rise() {
     for (time, what) in [("0.064", "repeats"), ("0.01", "goes backwards")] {
         let mut lines = csv(20);
         lines[10] = format!("{time},1,1");
+        // One alone that repeats is left out.
+        lines[15] = lines[14].replace(",13,", ",1,");
         refused(read_lines(&lines), &["row 11, column timestamp", what, "0.064 s, then", "sort"]);
     }
 }
@@ -183,7 +228,8 @@ fn a_header_that_does_not_name_every_joint_once_is_refused() {
         &["row 1", "\"actual_q_0\" stands in columns 2 and 3", "rename"],
     );
     refused(with_header("timestamp,actual_q_0,actual_q_2"), &["no column actual_q_1", "one joint"]);
-    refused(with_header("timestamp,actual_q_1,actual_q_2"), &["no column actual_q_0"]);
+    refused(with_header("timestamp,actual_q_1,actual_current_0"), &["no column actual_q_0"]);
+    refused(with_header("timestamp,actual_q_2,actual_q_3"), &["no column actual_q_0"]);
     let (header, row) = ("timestamp,actual_q_0,actual_q_1,actual_current_0", "1,1,1,1");
     let text = format!("{header}\n{row}\n").replace(row, &rows(12, 4));
     refused(

@@ -58,6 +58,9 @@ pub struct Layout {
     pub decimal_comma: bool,
 }
 
+/// Lines of comment in front of the header that are read past.
+const MOST_COMMENTS: usize = 1000;
+
 /// A text file, its first line taken apart.
 pub struct Text {
     pub file: String,
@@ -78,7 +81,7 @@ impl Text {
     pub fn open(path: &Path, layout: &Layout) -> Result<Self, RecordingError> {
         let mut rest = Blocks::open(path)?;
         let file = rest.file.clone();
-        let first = first_line(&mut rest, layout.skip_rows)?;
+        let first = head_line(&mut rest, layout.skip_rows)?;
         let names = first.text.trim_start_matches(['\u{feff}', '#']).trim();
         let delimiter = match layout.delimiter.or_else(|| detect(names)) {
             Some(delimiter) => delimiter,
@@ -117,6 +120,13 @@ impl Text {
             lines.iter_mut().filter(|b| **b == b',').for_each(|b| *b = b'.');
         }
         Ok(Some(lines))
+    }
+
+    /// The same lines, which [`Self::next_lines`] gives afterwards.
+    pub fn peek_lines(&mut self) -> Result<Option<&[u8]>, RecordingError> {
+        let Some(block) = self.next_lines()?.map(<[u8]>::len) else { return Ok(None) };
+        self.rest.put_back(block, 0);
+        Ok(Some(self.rest.last(block)))
     }
 
     /// Bytes of text that were read.
@@ -171,6 +181,7 @@ fn refuse_foreign_text(bytes: &[u8], file: &str) -> Result<(), RecordingError> {
 }
 
 /// A line of the block of text that came last.
+#[derive(Clone)]
 struct Line {
     text: String,
     /// From 1 in the file.
@@ -205,6 +216,43 @@ fn first_line(from: &mut Blocks, skip: usize) -> Result<Line, RecordingError> {
     Err(RecordingError::Empty { file })
 }
 
+/// The first line after `skip` that is not blank. Where it and others begin with `#`: the first that does
+/// not, unless it holds numbers and the last comment as many names.
+fn head_line(from: &mut Blocks, skip: usize) -> Result<Line, RecordingError> {
+    let first = first_line(from, skip)?;
+    let lines = from.last(first.block);
+    let (mut comment, mut line) = (None, first.clone());
+    for _ in 0..MOST_COMMENTS {
+        if !line.text.trim_start_matches('\u{feff}').starts_with('#') {
+            break;
+        }
+        let Some(next) = line_after(lines, &line) else { return Ok(first) };
+        comment = Some(std::mem::replace(&mut line, next));
+    }
+    let Some(comment) = comment else { return Ok(first) };
+    let row = line.text.trim();
+    let names = comment.text.trim_start_matches(['\u{feff}', '#']).trim();
+    let width = |line: &str| detect(line).map(|d| d.split(line).len());
+    let row_is_header = detect(row).is_some_and(|d| is_header(&d.split(row)));
+    let named = width(names).is_some() && width(names) == width(row);
+    Ok(if named && !row_is_header { comment } else { line })
+}
+
+/// The next line of a block that is not blank; `None` where the block ends or is no text.
+fn line_after(lines: &[u8], line: &Line) -> Option<Line> {
+    let (mut start, mut number) = (line.end + 1, line.number);
+    while start < lines.len() {
+        let end = memchr::memchr(b'\n', &lines[start..]).map_or(lines.len(), |n| start + n);
+        number += 1;
+        if !lines[start..end].iter().all(u8::is_ascii_whitespace) {
+            let text = std::str::from_utf8(&lines[start..end]).ok()?.into();
+            return Some(Line { text, number, start, end, block: lines.len() });
+        }
+        start = end + 1;
+    }
+    None
+}
+
 /// Semicolons hint at decimal commas, which only the user can tell: never guessed.
 fn detect(line: &str) -> Option<Delimiter> {
     if line.contains(';') {
@@ -222,5 +270,6 @@ fn detect(line: &str) -> Option<Delimiter> {
 
 /// Names, not numbers: fewer than half of the cells can be read as a number.
 fn is_header(cells: &[&str]) -> bool {
-    2 * cells.iter().filter(|c| c.replace(',', ".").parse::<f64>().is_ok()).count() < cells.len()
+    let number = |c: &&&str| c.trim_matches(['"', '\'']).replace(',', ".").parse::<f64>().is_ok();
+    2 * cells.iter().filter(number).count() < cells.len()
 }

@@ -27,6 +27,10 @@ pub(super) fn pick(
     derivatives: Derivatives,
 ) -> Result<Picked, SignalError> {
     use Derivatives::{Paper, Recorded, TrackingError};
+    let recorded = recording.joint_count("actual_q");
+    if recorded > dof {
+        return Err(SignalError::JointCount { joints: recorded, dof });
+    }
     let mut notes = Vec::new();
     let need = |stem, purpose, remedy| joints(recording, stem, dof, purpose, remedy);
     let velocity = "velocity; derivatives = \"position\" needs positions only";

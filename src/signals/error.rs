@@ -8,6 +8,11 @@ pub enum SignalError {
     )]
     MissingChannel { channel: String, purpose: &'static str, remedy: &'static str, found: String },
     #[error(
+        "the recording has {joints} joints and the arm {dof}: name the arm it is of (--robot, --twin), or \
+         its joints in a column map (--columns)"
+    )]
+    JointCount { joints: usize, dof: usize },
+    #[error(
         "the drive describes {drive} joints but the robot has {dof}: give one gear ratio and \
          torque constant per joint, or record joint_torque_*"
     )]

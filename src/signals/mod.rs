@@ -15,6 +15,7 @@ mod low_pass;
 mod mask;
 mod resample;
 mod savitzky_golay;
+mod thin;
 mod tracking;
 
 pub use condition::condition;
@@ -25,6 +26,7 @@ pub use low_pass::LowPass;
 pub use mask::{Rows, erode, runs};
 pub use resample::{Interpolation, UniformGrid};
 pub use savitzky_golay::SavitzkyGolay;
+pub use thin::thin;
 
 use crate::series::JointSeries;
 

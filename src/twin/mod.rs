@@ -5,6 +5,7 @@
 
 mod correct;
 mod file;
+mod named;
 mod parts;
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ mod demo;
 mod deploy;
 mod detect;
 mod diagnose;
+mod edges;
 mod effects;
 mod excite;
 mod export;

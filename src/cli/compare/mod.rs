@@ -13,7 +13,9 @@ use std::path::PathBuf;
 
 use super::conditioning::ConditioningArgs;
 use super::outputs::Output;
+use super::recordings::WorkArgs;
 use super::stream::StreamArgs;
+use super::twin::ArmArgs;
 #[cfg(feature = "viewer")]
 use super::{save, view};
 
@@ -33,12 +35,10 @@ the simulation. Look at the file with the viewer: pip install rerun-sdk==0.36.3"
 pub struct Args {
     /// File, or folder with one log per signal
     recording: PathBuf,
-    /// What is known about the arm [default: the built-in UR5 with the paper's drive]
-    #[arg(long, value_name = "TWIN.toml")]
-    twin: Option<PathBuf>,
-    /// Column map (TOML) of a CSV without RTDE names
-    #[arg(long, value_name = "MAP.toml")]
-    columns: Option<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArgs,
+    #[command(flatten)]
+    work: WorkArgs,
     /// File to write
     #[arg(short, long, value_name = "FILE.rrd", default_value = "compare.rrd")]
     out: Output,
@@ -67,15 +67,17 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     use anyhow::Context;
 
     use super::stream::Deliveries;
-    use crate::{recording, viewer::write_rrd};
+    use crate::viewer::write_rrd;
 
-    let recording = recording::read(&args.recording, args.columns.as_deref())?;
-    let twin = super::twin::load(args.twin.as_deref())?;
-    let terms = fit::terms(&twin, args.twin.is_some())?;
+    let arm = args.arm.load()?;
+    let recording = args.work.read(&args.recording, &arm, args.conditioning.floor_hz())?;
+    let twin = &arm.twin;
+    let terms = fit::terms(twin, args.arm.twin.is_some())?;
     let how = args.conditioning.conditioning();
     let link = args.live.open()?;
-    let compared = build::compare(&recording, &twin, terms.as_ref(), &how, link.as_ref())
+    let compared = build::compare(&recording, twin, terms.as_ref(), &how, link.as_ref())
         .with_context(|| args.recording.display().to_string())?;
+    println!("{}", arm.line());
     println!("armtwin {}  compare", env!("CARGO_PKG_VERSION"));
     compared.notes.iter().for_each(|note| println!("  {note}"));
     println!("\n{}", compared.report.table());

@@ -9,24 +9,23 @@ use crate::external_wrench::{Contact, Criteria, Heard, Left, Noise, Residual, co
 use crate::identification::{
     BoundsByName, Method, Settings, Terms, assemble_around, fitted_twin, identify, settle,
 };
-use crate::recording;
+use crate::recording::Recording;
 use crate::signals::{Conditioning, Samples, condition};
 use crate::twin::Twin;
 
-/// A recording on disk, and how its columns are named.
+/// A recording and where it is from.
 pub struct Source {
     path: PathBuf,
-    columns: Option<PathBuf>,
+    recording: Recording,
 }
 
 impl Source {
-    pub fn new(path: PathBuf, columns: Option<PathBuf>) -> Self {
-        Self { path, columns }
+    pub fn of(path: PathBuf, recording: Recording) -> Self {
+        Self { path, recording }
     }
 
     fn samples(&self, twin: &Twin, how: &Conditioning) -> anyhow::Result<Samples> {
-        let recording = recording::read(&self.path, self.columns.as_deref())?;
-        condition(&recording, &twin.drive, twin.robot.dof(), how)
+        condition(&self.recording, &twin.drive, twin.robot.dof(), how)
             .with_context(|| self.path.display().to_string())
     }
 

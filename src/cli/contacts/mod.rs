@@ -12,7 +12,9 @@ use anyhow::Context;
 use self::arm::{Arm, Source};
 use super::conditioning::ConditioningArgs;
 use super::outputs::Output;
-use super::save;
+use super::recordings::WorkArgs;
+use super::twin::ArmArgs;
+use super::{progress, save};
 use crate::external_wrench::Criteria;
 
 /// Estimate forces from outside: when something touched the arm, which link, how strongly
@@ -34,15 +36,13 @@ pub struct Args {
     /// More recordings free of contacts, to learn from what the twin leaves (repeatable)
     #[arg(long, value_name = "RECORDING")]
     free: Vec<PathBuf>,
-    /// What is known about the arm [default: the built-in UR5 with the paper's drive]
-    #[arg(long, value_name = "TWIN.toml")]
-    twin: Option<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArgs,
     /// What to fit besides, effects by name
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
-    /// Column map (TOML) of CSVs without RTDE names
-    #[arg(long, value_name = "MAP.toml")]
-    columns: Option<PathBuf>,
+    #[command(flatten)]
+    work: WorkArgs,
     /// Column map of the recording of --fit [default: that of --columns]
     #[arg(long, value_name = "MAP.toml")]
     fit_columns: Option<PathBuf>,
@@ -54,7 +54,7 @@ pub struct Args {
     json: Option<Output>,
     /// Search the recordings of real arms in this folder, and hold what is found against what is
     /// known of them
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["recording", "fit", "free", "twin"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["recording", "fit", "free", "twin", "robot"])]
     validate: Option<PathBuf>,
     /// Markdown file for --validate to write; left out, standard output
     #[arg(short, long, value_name = "FILE")]
@@ -68,16 +68,25 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         return validation::run(folder, args.out.as_deref(), args.json.as_deref());
     }
     let path = args.recording.clone().context("give a recording")?;
-    let twin = super::twin::load(args.twin.as_deref())?;
-    let recording = Source::new(path, args.columns.clone());
-    let fit_columns = args.fit_columns.clone().or_else(|| args.columns.clone());
-    let fit = args.fit.clone().map(|path| Source::new(path, fit_columns));
+    let given = args.arm.load()?;
+    let floor_hz = args.conditioning.floor_hz();
+    let read = |path: PathBuf, columns: Option<&PathBuf>| {
+        let mut work = args.work.clone();
+        work.read.columns = columns.cloned().or(work.read.columns);
+        let recording = work.read(&path, &given, floor_hz)?;
+        anyhow::Ok(Source::of(path, recording))
+    };
+    let recording = read(path, None)?;
+    let fit = args.fit.clone().map(|path| read(path, args.fit_columns.as_ref())).transpose()?;
     let how = args.conditioning.over(arm::conditioning());
-    let arm = Arm::fitted(&twin, fit.as_ref().unwrap_or(&recording), &args.with, &how)?;
-    let free = args.free.iter().map(|path| Source::new(path.clone(), args.columns.clone()));
-    let free: Vec<Source> = fit.into_iter().chain(free).collect();
+    let spinner = progress::spinner("fitting the twin and searching for contacts");
+    let arm = Arm::fitted(&given.twin, fit.as_ref().unwrap_or(&recording), &args.with, &how)?;
+    let free = args.free.iter().map(|path| read(path.clone(), None));
+    let free: Vec<Source> = fit.into_iter().map(Ok).chain(free).collect::<anyhow::Result<_>>()?;
     let criteria = Criteria { at_flange: args.at_flange, ..Criteria::default() };
     let found = arm.contacts(&recording, &free, &criteria)?;
+    spinner.finish_and_clear();
+    println!("{}", given.line());
     print!("{}", page::page(&found));
     if let Some(path) = &args.json {
         let all = serde_json::json!({ "criteria": &criteria, "contacts": &found });

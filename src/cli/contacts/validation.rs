@@ -79,8 +79,8 @@ fn found(
     let Setup { with, .. } = &case.setup;
     let twin = cases::twin(&case.setup)?;
     let with: Vec<String> = with.iter().map(ToString::to_string).collect();
-    let [recording, fit] =
-        [case.recording, case.fit].map(|n| cases::source(folder, &case.setup, n));
+    let source = |name| cases::source(folder, &case.setup, name);
+    let (recording, fit) = (source(case.recording)?, source(case.fit)?);
     let arm = Arm::fitted(&twin, &fit, &with, &conditioning())?;
     let (samples, _) = arm.left(&recording)?;
     let mut contacts = arm.contacts(&recording, &[fit], criteria)?;

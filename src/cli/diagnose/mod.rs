@@ -20,6 +20,8 @@ use anyhow::bail;
 use self::load::Recorded;
 use super::conditioning::ConditioningArgs;
 use super::outputs::{self, Output};
+use super::recordings::WorkArgs;
+use super::twin::{Arm, ArmArgs};
 use super::{out, progress, view};
 use crate::diagnosis::{self, Diagnosis, Settings, Traces, mend};
 use crate::effects;
@@ -49,12 +51,10 @@ pub struct Args {
     /// Another recording, which decides [default: the second half of the first]
     #[arg(long, value_name = "RECORDING")]
     check: Option<PathBuf>,
-    /// What is known about the arm [default: the built-in UR5 with the paper's drive]
-    #[arg(long, value_name = "TWIN.toml")]
-    twin: Option<PathBuf>,
-    /// Column map (TOML) of CSVs without RTDE names
-    #[arg(long, value_name = "MAP.toml")]
-    columns: Option<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArgs,
+    #[command(flatten)]
+    work: WorkArgs,
     /// Folder for diagnosis.json, report.html, twin.rrd and twin.toml
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -120,11 +120,12 @@ pub(super) struct Diagnosed {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let settings = args.settings()?;
     args.out.as_ref().map_or(Ok(()), |out| outputs::ask_in(out, &FILES))?;
-    let twin = super::twin::load(args.twin.as_deref())?;
-    let recordings = load::condition(args.recordings()?, &twin, &args.conditioning)?;
-    let mut done = diagnose(twin, recordings, settings, !args.no_simulation)?;
+    let arm = args.arm.load()?;
+    let recordings = load::condition(args.recordings(&arm)?, &arm.twin, &args.conditioning)?;
+    let mut done = diagnose(arm.twin.clone(), recordings, settings, !args.no_simulation)?;
     let next = &mut done.diagnosis.next_experiment;
-    *next = next.replace(diagnosis::TWIN, &args.twin_as_given());
+    *next = next.replace(diagnosis::TWIN, &args.arm.as_given());
+    println!("{}", arm.line());
     out::page(&if args.full { page::page(&done) } else { brief::page(&done) });
     if let Some(out) = &args.out {
         write(&done, out)?;
@@ -162,12 +163,6 @@ pub(super) fn diagnose(
 }
 
 impl Args {
-    /// As another command takes it.
-    fn twin_as_given(&self) -> String {
-        // Without one, every command takes the same.
-        self.twin.as_ref().map_or_else(String::new, |twin| format!(" --twin {}", twin.display()))
-    }
-
     fn settings(&self) -> anyhow::Result<Settings> {
         if let Some(unknown) = self.without.iter().find(|name| effects::find(name).is_none()) {
             bail!("--without {unknown}: no such effect; choose from {}", effects::names());
@@ -189,8 +184,8 @@ impl Args {
     }
 
     /// To search on and to decide on.
-    fn recordings(&self) -> anyhow::Result<[Recording; 2]> {
-        let read = |path: &Path| crate::recording::read(path, self.columns.as_deref());
+    fn recordings(&self, arm: &Arm) -> anyhow::Result<[Recording; 2]> {
+        let read = |path: &Path| self.work.read(path, arm, self.conditioning.floor_hz());
         let Some(check) = &self.check else { return Ok(read(&self.fit)?.halves()) };
         load::refuse_same_file(&self.fit, check)?;
         let both = [read(&self.fit)?, read(check)?];

@@ -16,20 +16,22 @@ use scale::{LoadArgs, Scaled};
 
 use super::conditioning::ConditioningArgs;
 use super::outputs::Output;
-use super::save;
+use super::recordings::WorkArgs;
+use super::twin::{Arm, ArmArgs};
+use super::{progress, save};
 use crate::diagnosis;
 use crate::identification::{
     self, ArmProblem, BoundsByName, Dropped, IdentificationError, Inertial, LinkFit, Located,
     Method, MethodResult, Search, Settings, Terms, assemble_around,
 };
-use crate::recording::{self, Recording};
+use crate::recording::Recording;
 use crate::robot::urdf::{self, Chain};
 use crate::signals::{Conditioning, Samples, condition};
 use crate::twin::Twin;
 
 /// Identify friction, rotor inertia and payload from a recording, with tests and intervals
 ///
-/// Without --twin the arm is the UR5 and the terms are the paper's friction law (Eq. 1), rotor
+/// Without --twin or --robot the arm is the UR5. Without --twin the terms are the paper's friction law (Eq. 1), rotor
 /// inertia and current offset. With --twin the terms are the effects the twin lists and gives no
 /// values for. --terms replaces, --with adds to either. Nonlinear parameters that the twin leaves
 /// open are searched for first, as `diagnose` does; where an effect does not show it is left out.
@@ -51,15 +53,13 @@ pub struct Args {
     /// Another recording, which the fit is held against
     #[arg(long, value_name = "RECORDING")]
     check: Option<PathBuf>,
-    /// What is known about the arm [default: the built-in UR5 with the paper's drive]
-    #[arg(long, value_name = "TWIN.toml")]
-    twin: Option<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArgs,
     /// Estimators, in the order they are printed: swarm, least squares, posterior by Markov chains
     #[arg(long, value_enum, value_delimiter = ',', default_value = "pso,nlse")]
     method: Vec<MethodArg>,
-    /// Column map (TOML) of CSVs without RTDE names
-    #[arg(long, value_name = "MAP.toml")]
-    columns: Option<PathBuf>,
+    #[command(flatten)]
+    work: WorkArgs,
     /// What to fit, effects by name; `paper` is Eq. 1 (see `armtwin effects`)
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     terms: Vec<String>,
@@ -162,16 +162,18 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(check) = &args.check {
         refuse_same_file(&args.recording, check)?;
     }
-    let twin = super::twin::load(args.twin.as_deref())?;
-    let terms = args.terms(&twin)?;
+    let mut arm = args.arm.load()?;
+    arm.scaled = !args.load.is_given();
+    let terms = args.terms(&arm.twin)?;
     let conditioning = args.conditioning.conditioning();
-    let fit = args.read(&args.recording, &twin, &conditioning)?;
-    let scaled = args.scaled(&twin, &terms, &fit, &conditioning)?;
-    let twin = scaled.as_ref().map_or(twin, |s| s.twin.clone());
-    let read = |path: &Path| args.read(path, &twin, &conditioning);
+    let fit = args.read(&args.recording, &arm, &conditioning)?;
+    let scaled = args.scaled(&arm, &terms, &fit, &conditioning)?;
+    scaled.iter().for_each(|s| arm.twin.clone_from(&s.twin));
+    let read = |path: &Path| args.read(path, &arm, &conditioning);
     let fit = if scaled.is_some() { read(&args.recording)? } else { fit };
     let check = args.check.as_deref().map(read).transpose()?;
     let settings = args.settings();
+    let twin = arm.twin.clone();
     let (around, located) = locate(&fit.1, &twin, &terms, &settings)?;
     let assembled = |read| args.assembled(read, &around, &terms, &located);
     let mut fit = assembled(fit)?;
@@ -187,8 +189,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let dropped =
         if args.reduce { Some(reduce(&mut fit, check.as_mut(), &settings)?) } else { None };
+    let joints = fit.problem.joints.len() * settings.methods.len();
+    let bar = progress::counting("fitting joint", joints as u64);
+    let against = check.as_ref().map(|c| &c.problem);
     let mut results =
-        identification::identify(&fit.problem, check.as_ref().map(|c| &c.problem), &settings)?;
+        identification::identify_telling(&fit.problem, against, &settings, &|| bar.inc(1))?;
+    bar.finish_and_clear();
     let link_fit = LinkFit {
         twin: &around,
         terms: &terms,
@@ -225,6 +231,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         links_spread,
         rigid_body: rigid_body.as_ref(),
     };
+    println!("{}", arm.line());
     print::print(&report);
     write(&report)
 }
@@ -254,7 +261,7 @@ impl Args {
         };
         let (terms, with) = (effects(&self.terms), effects(&self.with));
         let more = with.iter().map(String::as_str);
-        match (&terms[..], &self.twin) {
+        match (&terms[..], &self.arm.twin) {
             ([], None) => Terms::named(Terms::usual()?.names().into_iter().chain(more)),
             ([], Some(_)) => Terms::of_twin(twin, &with),
             (given, _) => Terms::named(given.iter().map(String::as_str).chain(more)),
@@ -264,10 +271,11 @@ impl Args {
     fn read(
         &self,
         path: &Path,
-        twin: &Twin,
+        arm: &Arm,
         how: &Conditioning,
     ) -> anyhow::Result<(Recording, Samples)> {
-        let recording = recording::read(path, self.columns.as_deref())?;
+        let recording = self.work.read(path, arm, self.conditioning.floor_hz())?;
+        let twin = &arm.twin;
         let name = || path.display().to_string();
         let samples =
             condition(&recording, &twin.drive, twin.robot.dof(), how).with_context(name)?;

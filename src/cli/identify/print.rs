@@ -15,7 +15,8 @@ pub fn print(report: &Report<'_>) {
         println!("loaded   {}", scaled.loaded.provenance.source);
     }
     println!("fitted   {}", report.terms.names().join(", "));
-    if report.args.twin.is_some() && report.args.terms.is_empty() && report.args.with.is_empty() {
+    if report.args.arm.twin.is_some() && report.args.terms.is_empty() && report.args.with.is_empty()
+    {
         println!(
             "         (what the twin lists without values; more by --with paper,rotor_inertia,offset)"
         );

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use super::{Args, inertia};
+use crate::cli::twin::Arm;
 use crate::identification::{Gain, Load, Terms, TorqueScale, torque_scale};
 use crate::recording::Recording;
 use crate::report::{table, to_uncertainty};
@@ -28,6 +29,13 @@ pub struct LoadArgs {
         allow_hyphen_values = true
     )]
     payload_centre: Option<[f64; 3]>,
+}
+
+impl LoadArgs {
+    /// Whether torque constants are what is asked for.
+    pub fn is_given(&self) -> bool {
+        self.loaded.is_some()
+    }
 }
 
 /// `2.805` or `2.805kg`
@@ -56,7 +64,7 @@ impl Args {
     /// The twin with torque constants of its own arm, where a loaded run tells them.
     pub fn scaled(
         &self,
-        twin: &Twin,
+        arm: &Arm,
         terms: &Terms,
         fit: &(Recording, Samples),
         how: &Conditioning,
@@ -67,7 +75,8 @@ impl Args {
         };
         super::refuse_same_file(&self.recording, path)?;
         self.refuse_unknown_loads(path)?;
-        let loaded = self.read(path, twin, how)?;
+        let loaded = self.read(path, arm, how)?;
+        let twin = &arm.twin;
         super::refuse_same_samples(&fit.0, &loaded.0)?;
         let load = Load { mass_kg: *mass_kg, centre_m: *payload_centre };
         let scale = torque_scale(twin, terms, [&fit.1, &loaded.1], load)

@@ -4,7 +4,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::map::{BagMap, Effort};
+use crate::recording::Recording;
+use crate::recording::check::split_index;
 use crate::robot::{self, BUILT_IN, Chain, Robot, Workspace, gravity_torque};
+use crate::series::JointSeries;
 
 /// N.m per N.m: other links, payloads and what inertia adds leave room.
 const TORQUE: std::ops::Range<f64> = 0.6..1.6;
@@ -138,4 +141,29 @@ fn deviation(values: &[f64]) -> f64 {
     let n = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / n;
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
+}
+
+/// Names `effort_*` of a recording by the gravity of `arm`, where nothing else told what it is.
+pub fn settle(recording: &mut Recording, arm: &Robot) {
+    let (Some(q), Some(effort)) = (recording.joints("actual_q"), recording.joints("effort")) else {
+        return;
+    };
+    if ["actual_current", "joint_torque"].iter().any(|stem| recording.joint_count(stem) > 0) {
+        return;
+    }
+    let columns =
+        |s: &JointSeries| (0..s.joints()).map(|j| s.joint(j).to_vec()).collect::<Vec<_>>();
+    let found = by_gravity(&columns(&q), &columns(&effort), std::slice::from_ref(arm));
+    let notes = &mut recording.provenance.notes;
+    let Some(kind) = found.effort else {
+        notes.push(format!("effort: gravity does not tell current from torque ({})", found.why));
+        return;
+    };
+    notes.retain(|note| !note.starts_with("effort may be current or torque"));
+    notes.push(format!("effort taken as {}, by gravity: {}", kind.words(), found.why));
+    for channel in &mut recording.channels {
+        if let Some(("effort", j)) = split_index(&channel.name) {
+            channel.name = format!("{}_{j}", kind.stem());
+        }
+    }
 }

@@ -19,6 +19,7 @@ mod topics;
 
 use std::path::{Path, PathBuf};
 
+pub use effort::settle as settle_effort;
 pub use map::{BagMap, Effort};
 use outgoing::Outgoing;
 

@@ -57,7 +57,8 @@ fn sampling(inspection: &Inspection) -> Vec<String> {
     found
 }
 
-fn plausible_step(step: f64) -> bool {
+/// Whether a step of time, s, is that of a recording.
+pub fn plausible_step(step: f64) -> bool {
     (1e-5..0.5).contains(&step)
 }
 

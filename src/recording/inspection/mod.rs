@@ -9,8 +9,9 @@ mod signal;
 #[cfg(test)]
 mod tests;
 
+pub use findings::plausible_step;
 pub use motion::{JointMotion, SLIDING_RAD_S};
-pub use sampling::{Gap, Sampling};
+pub use sampling::{Gap, Sampling, step};
 pub use signal::{JointSignal, Signal};
 
 use super::{JOINT_SIGNALS, Recording};

@@ -60,6 +60,13 @@ impl Sampling {
     }
 }
 
+/// The usual step of `time`, s: the median, whatever the gaps. `time` has at least two values.
+pub fn step(time: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
+    let middle = steps.len() / 2;
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
 /// Median of the steps that are no gaps, so that it stands even where every second one is missing.
 fn nominal_step(steps: &[f64]) -> f64 {
     let usual = GAP_STEPS * quantile(steps, 0.1);

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::super::arm::Source;
+use crate::recording::{self, RecordingError};
 use crate::twin::{Twin, TwinError};
 
 /// An arm whose recordings lie in one folder.
@@ -134,7 +135,8 @@ pub fn path(folder: &Path, setup: &Setup, recording: &str) -> PathBuf {
     folder.join(setup.folder).join(format!("{recording}{}", setup.extension))
 }
 
-pub fn source(folder: &Path, setup: &Setup, recording: &str) -> Source {
-    let columns = setup.columns.map(PathBuf::from);
-    Source::new(path(folder, setup, recording), columns)
+pub fn source(folder: &Path, setup: &Setup, name: &str) -> Result<Source, RecordingError> {
+    let path = path(folder, setup, name);
+    let recording = recording::read(&path, setup.columns.map(Path::new))?;
+    Ok(Source::of(path, recording))
 }
