@@ -1,5 +1,6 @@
 //! `armtwin identify`: friction and what goes with it, with tests and intervals.
 
+mod brief;
 mod inertia;
 mod json;
 mod links;
@@ -93,6 +94,9 @@ pub struct Args {
     /// With inertia: mass of all moving links where it is known, kg
     #[arg(long, value_name = "KG", allow_hyphen_values = true)]
     total_mass: Option<f64>,
+    /// Print every table: tests, other intervals, searches, all methods
+    #[arg(long)]
+    full: bool,
     #[command(flatten)]
     load: LoadArgs,
     #[command(flatten)]
@@ -232,7 +236,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         rigid_body: rigid_body.as_ref(),
     };
     println!("{}", arm.line());
-    print::print(&report);
+    if args.full {
+        print::print(&report)
+    } else {
+        brief::print(&report)
+    }
     write(&report)
 }
 
@@ -371,6 +379,11 @@ fn save_twin(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Least squares where it was asked for, else what was asked for first.
+fn preferred(results: &[MethodResult]) -> Option<&MethodResult> {
+    results.iter().find(|r| r.method == Method::Nlse.name()).or(results.first())
+}
+
 /// The twin with the values found, and by which method.
 fn fitted<'a>(report: &Report<'a>) -> Result<Option<(Twin, &'a str)>, IdentificationError> {
     if let Some(Summary { found, .. }) = report.rigid_body {
@@ -386,8 +399,7 @@ fn fitted<'a>(report: &Report<'a>) -> Result<Option<(Twin, &'a str)>, Identifica
         }
         return Ok(Some((twin, &found.fitted.method)));
     }
-    let preferred = report.results.iter().find(|r| r.method == Method::Nlse.name());
-    let Some(result) = preferred.or(report.results.first()) else { return Ok(None) };
+    let Some(result) = preferred(report.results) else { return Ok(None) };
     let fitted =
         identification::fitted_twin(report.around, report.terms, &report.fit.problem, result)?;
     Ok(Some((fitted, &result.method)))

@@ -28,18 +28,21 @@ pub fn print(report: &Report<'_>) {
     for result in report.results {
         print_method(result);
     }
-    if let Some(spread) = report.links_spread {
-        println!(
-            "\npayload: beside links within {:.1} % of the model's, as these data call for; a twin that \
-             is saved has the value that fits best with the model's links",
-            100.0 * spread
-        );
-    }
+    report.links_spread.iter().for_each(|spread| payload_note(*spread));
     report.rigid_body.iter().for_each(|body| links::print(body));
     if let Some(result) = report.results.last() {
         println!("\nWhat {} found", result.method);
         identification::verdict(result).iter().for_each(|line| println!("  {line}"));
     }
+}
+
+/// How sure a payload is beside links that are as unsure as these data say.
+pub fn payload_note(spread: f64) {
+    println!(
+        "\npayload: beside links within {:.1} % of the model's, as these data call for; a twin that is \
+         saved has the value that fits best with the model's links",
+        100.0 * spread
+    );
 }
 
 /// Which nonlinear parameters were searched for and where they are none, one line per effect.
@@ -153,7 +156,7 @@ fn print_method(result: &MethodResult) {
     print_intervals(result);
     let checked = result.joints.iter().any(|j| j.check.is_some());
     println!("\n{}", table(&search_header(checked), 1, result.joints.iter().map(search_row)));
-    print_reasons(result);
+    reasons(result);
 }
 
 fn print_intervals(result: &MethodResult) {
@@ -268,7 +271,7 @@ fn search_row(j: &JointEstimate) -> Vec<String> {
 }
 
 /// Why parameters are not identifiable, one line per joint and reason.
-fn print_reasons(result: &MethodResult) {
+pub fn reasons(result: &MethodResult) {
     let mut lines: Vec<(String, String, Vec<String>)> = Vec::new();
     let joints = result.joints.iter().map(|j| (format!("joint {}", j.joint), &j.parameters));
     for (place, parameters) in joints.chain([("arm".to_string(), &result.arm)]) {

@@ -1,0 +1,113 @@
+//! An identification on one screen: values with intervals, how well they fit, what was found.
+
+use super::{Report, links, preferred, print, scale};
+use crate::identification::{self, JointEstimate, MethodResult, ParameterEstimate};
+use crate::report::{table, to_uncertainty};
+
+pub fn print(report: &Report<'_>) {
+    let what = [Some(report.fit), report.check].into_iter().flatten().zip(["fit", "check"]);
+    for (loaded, what) in what {
+        println!("{what:8} {}", loaded.recording.provenance.source);
+        loaded.recording.provenance.notes.iter().for_each(|note| println!("         {note}"));
+    }
+    print::searched(report.located).iter().for_each(|line| println!("searched {line}"));
+    report.scaled.iter().for_each(|scaled| scale::print(scaled));
+    let Some(result) = preferred(report.results) else { return };
+    println!(
+        "\nValues by {}, +- half the width of the 99 % interval",
+        result.method.to_uppercase()
+    );
+    println!("{}", values(result));
+    println!("\n{}", agreement(report.results));
+    result.arm.iter().for_each(|p| println!("arm: {} {}", p.name, with_unit(p)));
+    report.links_spread.iter().for_each(|spread| print::payload_note(*spread));
+    report.dropped.iter().filter(|d| !d.is_empty()).for_each(|dropped| {
+        println!("\nNot shown by these data and left out:");
+        print::dropped(dropped).iter().for_each(|line| println!("  {line}"));
+    });
+    print::reasons(result);
+    report.rigid_body.iter().for_each(|body| links::print(body));
+    println!("\nWhat {} found", result.method);
+    identification::verdict(result).iter().for_each(|line| println!("  {line}"));
+    let (version, seed) = (env!("CARGO_PKG_VERSION"), report.settings.seed);
+    println!("\narmtwin {version}, seed {seed}; tests, other intervals and searches: --full");
+}
+
+/// A row per parameter, a column per joint; then how well the torque fits.
+fn values(result: &MethodResult) -> String {
+    let mut names: Vec<(&str, &str)> = Vec::new();
+    for p in result.joints.iter().flat_map(|j| &j.parameters) {
+        if !names.iter().any(|(name, _)| *name == p.name) {
+            names.push((&p.name, &p.unit));
+        }
+    }
+    let joints: Vec<String> = result.joints.iter().map(|j| format!("joint {}", j.joint)).collect();
+    let header: Vec<&str> =
+        ["parameter", "unit"].into_iter().chain(joints.iter().map(String::as_str)).collect();
+    let row = |(name, unit): &(&str, &str)| {
+        let of = |j: &JointEstimate| j.parameters.iter().find(|p| p.name == *name).map(cell);
+        let cells = result.joints.iter().map(|j| of(j).unwrap_or_else(|| "-".into()));
+        [name.to_string(), unit.to_string()].into_iter().chain(cells).collect::<Vec<_>>()
+    };
+    let quality = |what: &str, unit: &str, of: &dyn Fn(&JointEstimate) -> Option<String>| {
+        let cells: Vec<Option<String>> = result.joints.iter().map(of).collect();
+        let some = cells.iter().any(Option::is_some);
+        let cells = cells.into_iter().map(Option::unwrap_or_default);
+        some.then(|| [what.into(), unit.into()].into_iter().chain(cells).collect::<Vec<_>>())
+    };
+    let left = |mse: f64| format!("{:.3}", mse.sqrt());
+    let more = [
+        quality("torque left, fit", "N.m", &|j| Some(left(j.fit.mse_nm2))),
+        quality("torque left, check", "N.m", &|j| j.check.map(|c| left(c.mse_nm2))),
+        quality("R2, fit", "-", &|j| Some(format!("{:.4}", j.fit.r2))),
+        quality("R2, check", "-", &|j| j.check.map(|c| format!("{:.4}", c.r2))),
+    ];
+    table(&header, 2, names.iter().map(row).chain(more.into_iter().flatten()))
+}
+
+/// `6.21 +-0.05`, `not told`
+fn cell(p: &ParameterEstimate) -> String {
+    if !p.identifiable {
+        return "not told".into();
+    }
+    let [value, _, _] = to_uncertainty(p.value, p.low, p.high);
+    let digits = value.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+    let half = (p.high - p.value).max(p.value - p.low);
+    let bound = if p.at_bound { " at bound" } else { "" };
+    format!("{value} +-{half:.digits$}{bound}")
+}
+
+fn with_unit(p: &ParameterEstimate) -> String {
+    format!("{} {}", cell(p), p.unit)
+}
+
+/// Costs within this share of each other are the same minimum.
+const SAME: f64 = 1e-4;
+
+/// Where one method ends above another, in a line.
+fn agreement(results: &[MethodResult]) -> String {
+    let names: Vec<String> = results.iter().map(|r| r.method.to_uppercase()).collect();
+    let Some(joints) = results.iter().map(|r| r.joints.len()).min().filter(|_| results.len() > 1)
+    else {
+        return format!("fitted by {}", names.concat());
+    };
+    let above = |j: usize| {
+        let costs = results.iter().map(|r| r.joints[j].cost);
+        let least = costs.clone().fold(f64::INFINITY, f64::min);
+        costs.fold(0.0, |most: f64, c| most.max(c / least - 1.0))
+    };
+    let apart: Vec<String> =
+        (0..joints).filter(|j| above(*j) > SAME).map(|j| (j + 1).to_string()).collect();
+    match apart.is_empty() {
+        true => format!("{} agree: the same cost at every joint to 0.01 %", names.join(" and ")),
+        false => {
+            let most = (0..joints).map(above).fold(0.0, f64::max);
+            format!(
+                "{} differ at joint {}: one of them ends up to {:.2} % above the other's cost (--full)",
+                names.join(" and "),
+                apart.join(", "),
+                100.0 * most
+            )
+        }
+    }
+}
