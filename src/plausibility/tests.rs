@@ -162,6 +162,19 @@ fn units_are_told() {
     doubted(&spoilt(&[("actual_q", degrees), ("actual_qd", degrees)]), &["read in degrees"]);
     doubted(&spoilt(&[("actual_current", 1000.0)]), &["in mA", "joint 2"]);
     doubted(&spoilt(&[("actual_current", 13.6)]), &["holds torque"]);
+    // A motion in which weight hardly varies: the size alone tells.
+    let mut still = spoilt(&[("actual_current", 1000.0)]);
+    for j in 1..6 {
+        for stem in ["actual_q", "actual_qd"] {
+            let first = column(&mut still, &format!("{stem}_{j}"))[0];
+            column(&mut still, &format!("{stem}_{j}")).fill(if stem == "actual_q" {
+                first
+            } else {
+                0.0
+            });
+        }
+    }
+    doubted(&still, &["times the most that the ur5 can give", "mA"]);
     let mut milliseconds = recorded(&Truth::default());
     milliseconds.time.iter_mut().for_each(|t| *t *= 1000.0);
     doubted(&milliseconds, &["milliseconds", "time_scale = 1e-3"]);

@@ -37,6 +37,9 @@ const VARIES: f64 = 0.05;
 /// a tool nobody wrote down carries up to 1.9 times the table's, a UR3e 0.3 times, a UR10 2.8 times.
 const SAME_ARM: f64 = 2.3;
 
+/// No joint gives more than this times its largest torque, whatever its gain.
+const BEYOND: f64 = 10.0;
+
 /// Recorded over predicted torque of one joint.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Slope {
@@ -103,6 +106,7 @@ pub fn judge(
     let doubts = match reading(&body, motion, &measured, &as_is) {
         Some(doubt) => vec![doubt],
         None => factor(arm, torque, &slopes)
+            .or_else(|| beyond(arm, torque, &measured))
             .or_else(|| sign(&slopes))
             .or_else(|| other_arm(recording, arm, &slopes))
             .into_iter()
@@ -244,6 +248,27 @@ fn factor(arm: &Arm<'_>, torque: &Torque, slopes: &[Option<Slope>]) -> Option<Do
             arm.twin.robot.name,
         ),
         remedy: format!("{guess} in a column map (--columns), or give the twin its drive"),
+    })
+}
+
+/// Torque that no joint of the arm can give, where its weight does not tell.
+fn beyond(arm: &Arm<'_>, torque: &Torque, measured: &JointSeries) -> Option<Doubt> {
+    let times = |j: usize| {
+        let largest = measured.joint(j).iter().fold(0.0, |most: f64, t| most.max(t.abs()));
+        largest / arm.twin.robot.bodies[j].joint.limits.effort
+    };
+    let all = (0..measured.joints()).filter(|_| arm.scaled);
+    let joints: Vec<usize> = all.filter(|j| times(*j) > BEYOND && times(*j).is_finite()).collect();
+    let first = *joints.first()?;
+    Some(Doubt {
+        what: format!(
+            "{}: the torque of {}_* is up to {:.0} times the most that the {} can give",
+            named(&joints),
+            torque.stem,
+            times(first),
+            arm.twin.robot.name
+        ),
+        remedy: "it may be in mA or N.mm: scale = 0.001 in a column map (--columns)".into(),
     })
 }
 
