@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::Episode;
 use super::criteria::Criteria;
 
-/// In one word.
+/// The answer in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -46,7 +46,7 @@ pub struct Diagnosis {
     /// Values of what the twin lists without values, fitted with the causes: one per joint (one in
     /// all for the whole arm), by parameter name.
     pub fitted: BTreeMap<String, Vec<f64>>,
-    /// The same, fitted without the causes.
+    /// Values of these parameters, fitted without the causes.
     pub fitted_before: BTreeMap<String, Vec<f64>>,
     /// The search, round by round: the evidence.
     #[serde(default)]
@@ -61,7 +61,7 @@ pub struct Diagnosis {
 /// The torque gap, N.m: recorded torque less the twin's, its open parameters fitted.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Gap {
-    /// Base to wrist.
+    /// Joints from base to wrist.
     pub joints: Vec<JointGap>,
 }
 
@@ -79,7 +79,7 @@ pub struct JointGap {
     /// `repeats` (cycles of the recording), `estimate` (its spectrum where nothing moves, taken for
     /// white) or `estimate with colour` (and slower noise, as much as the quietest joint shows).
     pub floor_from: String,
-    /// Of the squared gaps of all joints above their floors.
+    /// This joint's share of the squared gaps of all joints above their floors.
     pub share: f64,
     pub regimes: Vec<Regime>,
 }
@@ -94,7 +94,7 @@ pub struct Regime {
     pub high_nm: f64,
     /// The joint's; of a band of frequencies what white noise has there, N.m.
     pub noise_floor_nm: f64,
-    /// Of the time the joint slides.
+    /// Share of the time the joint slides in which the condition holds.
     pub time_fraction: f64,
 }
 
@@ -104,12 +104,12 @@ pub struct Cause {
     pub effect: String,
     /// From 1 at the base; empty: the whole arm.
     pub joints: Vec<usize>,
-    /// That this effect is there, beside its rivals, nothing, and a discrepancy of any shape.
+    /// Probability that this effect is there, beside its rivals, nothing, and a discrepancy of any shape.
     pub probability: f64,
     /// What would look the same in these data, the more plausible first.
     pub equivalent: Vec<Named>,
     pub parameters: Vec<Value>,
-    /// On the check recording beside the discrepancy, when this cause is added to all the others;
+    /// Shrink on the check recording beside the discrepancy, when this cause is added to all the others;
     /// values from the fit recording alone.
     pub shrink: Checked,
     /// Is a value changed that the twin states?
@@ -160,7 +160,7 @@ pub struct Value {
 pub struct Checked {
     pub check_before_nm: f64,
     pub check_after_nm: f64,
-    /// Of the mean square: 1 - after^2 / before^2.
+    /// Share of the mean square that is taken off: 1 - after^2 / before^2.
     pub fraction: f64,
     /// 90 % block-bootstrap interval of `fraction`.
     pub low: f64,
@@ -179,12 +179,12 @@ pub struct Shrink {
 pub struct TorqueShrink {
     pub before_nm: f64,
     pub after_nm: f64,
-    /// Of the mean square: 1 - after^2 / before^2.
+    /// Share of the mean square that is taken off: 1 - after^2 / before^2.
     pub fraction: f64,
     /// 90 % block-bootstrap interval.
     pub low: f64,
     pub high: f64,
-    /// The same above the noise floor: 1 - (after^2 - floor^2) / (before^2 - floor^2).
+    /// `fraction` above the noise floor: 1 - (after^2 - floor^2) / (before^2 - floor^2).
     pub reducible: f64,
     pub joints: Vec<JointShrink>,
 }
@@ -204,7 +204,7 @@ pub struct SimulationShrink {
     pub before_rad: f64,
     pub after_rad: f64,
     pub fraction: f64,
-    /// Of simulated less recorded drive torque, closed loop, N.m.
+    /// Root mean square of simulated less recorded drive torque, closed loop, N.m.
     pub torque_before_nm: f64,
     pub torque_after_nm: f64,
     /// Driven by the recorded torque over short windows from recorded states, rad at their end.
@@ -241,7 +241,7 @@ pub struct Rejected {
 pub struct Unexplained {
     /// Root mean square over all joints, N.m.
     pub rms_nm: f64,
-    /// Of the mean square before.
+    /// Share of the mean square before the causes that is left.
     pub fraction: f64,
     /// Is it more than noise?
     pub above_noise: bool,
@@ -254,7 +254,7 @@ pub struct UnexplainedJoint {
     pub joint: usize,
     /// N.m
     pub rms_nm: f64,
-    /// Of the noise alone, N.m.
+    /// Root mean square of the noise alone, N.m.
     pub noise_floor_nm: f64,
     /// The discrepancy the evidence asks for beside the causes, N.m; 0: none.
     pub discrepancy_nm: f64,
@@ -267,8 +267,8 @@ pub struct UnexplainedJoint {
 pub struct Dependence {
     /// `q_2`, `qd_2`, `load_2` (a joint's angle, speed, load, from 1), `temperature_2`, `time`.
     pub variable: String,
-    /// Of the mean square of what is left, as a curve over the variable learned from the fit recording
-    /// predicts it on the check.
+    /// Share of the mean square of what is left that a curve over the variable, learned from the fit
+    /// recording, predicts on the check recording.
     pub share: f64,
 }
 
@@ -276,7 +276,7 @@ pub struct Dependence {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RoundEvidence {
     pub added: Vec<Named>,
-    /// What was weighed, best first.
+    /// Candidates that were weighed, best first.
     pub ranked: Vec<Scored>,
 }
 
@@ -287,6 +287,6 @@ pub struct Scored {
     /// Evidence over the state before, its prior odds included, nats.
     pub nats: f64,
     pub at_bound: Option<String>,
-    /// In the order of the effect's parameters.
+    /// Values in the order of the effect's parameters.
     pub values: Vec<f64>,
 }

@@ -2,7 +2,7 @@
 
 use crate::statistics::{autocorrelation, block_bootstrap, block_length};
 
-/// Of every interval of a diagnosis.
+/// Confidence level of every interval of a diagnosis.
 pub const LEVEL: f64 = 0.9;
 const REPLICATIONS: usize = 400;
 /// Residuals of arms go along with their motion for about a second (measured on UR10e logs), which

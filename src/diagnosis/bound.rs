@@ -14,14 +14,14 @@ pub struct Adopted<'f, 'a> {
 }
 
 impl<'f, 'a> Adopted<'f, 'a> {
-    /// Beside a discrepancy of the sizes it had before.
+    /// The trial fitted as a cause, beside a discrepancy of the sizes that `before` has.
     pub fn new(before: &'f Fit<'a>, trial: Trial) -> Self {
         let fit = Fit::new(before.data, before.model.with(trial.term()), before.sizes.clone());
         let at_bound = at_bound(&fit, &trial);
         Self { trial, fit, at_bound, before }
     }
 
-    /// The same without a parameter at a bound, where that costs less than `tolerance` nats: a search
+    /// The trial without a parameter at a bound, where that costs less than `tolerance` nats: a search
     /// wanders to the end of what the data do not tell.
     pub fn inside(self, tolerance: f64) -> Self {
         let Some(name) = self.at_bound else { return self };
@@ -34,7 +34,7 @@ impl<'f, 'a> Adopted<'f, 'a> {
         inside.min_by(|a, b| costs(a).total_cmp(&costs(b))).unwrap_or(self)
     }
 
-    /// With parameter `i` elsewhere: a linear one at its null value, a nonlinear one at its starts.
+    /// Trials with parameter `i` elsewhere: a linear one at its null value, a nonlinear one at its starts.
     fn moved(&self, i: usize) -> Vec<Trial> {
         let trial = &self.trial;
         let Some(k) = i.checked_sub(trial.candidate.linear()) else {

@@ -15,7 +15,7 @@ use crate::series::JointSeries;
 pub struct Built {
     /// Recorded torque less what the twin knows, at the rows, N.m.
     pub y: Blocks,
-    /// Of every term.
+    /// Columns of every term, at the rows.
     pub columns: Vec<Arc<Vec<Blocks>>>,
     /// The columns of every term over all samples, before sensors.
     series: Vec<Arc<Series>>,
@@ -107,13 +107,13 @@ pub fn series(
     }
 }
 
-/// Of the sensors of a model.
+/// Key of the sensors of a model, for columns that are kept.
 pub fn of_sensors(model: &Model) -> String {
     let sensors = model.causes.iter().filter(|t| t.candidate.senses());
     sensors.map(|t| format!(" {:?} {:?}", t.candidate, t.nonlinear)).collect()
 }
 
-/// All that the columns of an effect depend on, where they follow no value of the model.
+/// Key of an effect's columns: all that they depend on, where they follow no value of the model.
 pub fn key(model: &Model, candidate: Candidate, nonlinear: &[f64]) -> String {
     let recording = candidate.recording;
     let key = format!("{candidate:?} {recording:?} {nonlinear:?}");
@@ -126,7 +126,7 @@ pub fn key(model: &Model, candidate: Candidate, nonlinear: &[f64]) -> String {
     }
 }
 
-/// The same for the columns of a term that are not held.
+/// Key of those columns of a term that are not held.
 pub fn of_term(model: &Model, term: &Term) -> String {
     format!("term {} {:?}", key(model, term.candidate, &term.nonlinear), term.held)
 }

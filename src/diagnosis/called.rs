@@ -16,11 +16,11 @@ pub struct Called<'a> {
     pub gains: Vec<Gain>,
     /// What both recordings show together, and the fit recording alone does not.
     pub unconfirmed: Vec<Candidate>,
-    /// Their intervals hold that there is nothing.
+    /// Candidates whose intervals hold that there is nothing.
     pub unsure: Vec<Candidate>,
 }
 
-/// Those that are more probable than not, gain on the check recording, sit at no bound, and have intervals
+/// Causes that are more probable than not, gain on the check recording, sit at no bound, and have intervals
 /// that exclude their absence: what does not is left out, the weakest first, and the others are seen again
 /// without it. `blind` is what a search of the fit recording alone finds: where the law is not exact, the
 /// check recording confirms only what it had no part in choosing.
@@ -86,8 +86,8 @@ fn is_chosen(standing: &Standing<'_>, blind: &[Candidate], criteria: &Criteria) 
     standing.ranked.iter().filter(mine).any(|h| blind.iter().any(|c| same(h, c)))
 }
 
-/// Without the weakest that fails, or with the better one of two names; `None` where all stand. What is
-/// `rejected` does not come back.
+/// The fit without the weakest cause that fails, or with the better one of two names; `None` where all stand.
+/// What is `rejected` does not come back.
 fn corrected<'a>(
     search: &Hypotheses<'a>,
     judge: &Judge<'_>,

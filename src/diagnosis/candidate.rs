@@ -13,12 +13,12 @@ pub enum Place {
     Joint(usize),
     /// All joints, with the same parameters.
     Arm,
-    /// So many links, every one with values of its own.
+    /// This many links, every one with values of its own.
     Links(usize),
 }
 
 impl Place {
-    /// As users count: from 1, empty for the whole arm.
+    /// Joints as users count: from 1, empty for the whole arm.
     pub fn joints(self) -> Vec<usize> {
         match self {
             Place::Joint(j) => vec![j + 1],
@@ -86,7 +86,7 @@ impl std::fmt::Debug for Candidate {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
     pub candidate: Candidate,
-    /// As last fitted; empty before.
+    /// Linear values as last fitted; empty before.
     pub linear: Vec<f64>,
     pub nonlinear: Vec<f64>,
     /// Which of `nonlinear` were searched; the others have given values.
@@ -153,7 +153,7 @@ pub fn candidates(twin: &Twin, without: &[String], recordings: &[usize]) -> Vec<
     all
 }
 
-/// One joint at a time, and all alike where the parameters do not depend on a joint's size.
+/// Places of an effect: each joint, and all joints alike where no parameter depends on a joint's size.
 fn places(effect: &dyn Effect, twin: &Twin, stated: bool) -> impl Iterator<Item = Place> + use<> {
     let about = effect.about();
     let sizeless = about.parameters.iter().all(|p| matches!(p.unit, "-" | "s"));
@@ -163,7 +163,7 @@ fn places(effect: &dyn Effect, twin: &Twin, stated: bool) -> impl Iterator<Item 
 }
 
 impl Candidate {
-    /// In all recordings, where the twin lacks the effect.
+    /// The candidate in all recordings, where the twin lacks the effect.
     pub fn new(effect: &'static dyn Effect, place: Place) -> Self {
         Self { effect, place, recording: None, changes: false, spread: 1.0 }
     }
@@ -193,7 +193,7 @@ impl Candidate {
         }
     }
 
-    /// Of values of all its sets, those of set `k`.
+    /// Values of set `k` among those of all its sets.
     fn own<'v>(&self, values: &'v [f64], k: usize) -> &'v [f64] {
         let count = values.len() / self.place.each().len().max(1);
         &values[k * count..(k + 1) * count]
@@ -250,7 +250,7 @@ impl Candidate {
         [parameter.min - has, parameter.max - has]
     }
 
-    /// Between no mass, or a moment the other way, and many times what the link has.
+    /// Range of a link's change: from no mass, or a moment the other way, to many times what the link has.
     fn range_of_links(&self, i: usize, twin: &Twin) -> [f64; 2] {
         let sets = self.place.each().len().max(1);
         let own = self.linear() / sets;

@@ -7,9 +7,9 @@ use crate::signals::{Conditioning, Derivatives};
 /// says little more about slow causes, and costs its length at every candidate.
 const LONG: usize = 9000;
 
-/// Beside standstill where the torque is low-passed, s.
+/// Guard beside standstill where the torque is low-passed, s.
 pub(super) const GUARD_S: f64 = 0.04;
-/// Where it is not: the first sample that slides again is half a standing one.
+/// Guard where it is not low-passed, s: the first sample that slides again is half a standing one.
 const SHARP_GUARD_S: f64 = 0.008;
 
 /// Where a command of all `dof` joints is recorded with its derivatives, motion is that command

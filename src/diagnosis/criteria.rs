@@ -14,10 +14,10 @@ pub struct Criteria {
     pub inexact: f64,
     /// Odds within which two names are told in one breath.
     pub equal_odds: f64,
-    /// Of what the other causes leave of the check recording, at the joint where it takes off most: a
-    /// cause that takes off less is nothing to act on.
+    /// Least share of the mean square left by the other causes on the check recording that a cause must take
+    /// off, at the joint where it takes off most.
     pub least_gain: f64,
-    /// The same at a joint that has a discrepancy beside the causes: there no law is exact to less.
+    /// `least_gain` at a joint that has a discrepancy beside the causes: there no law is exact to less.
     pub least_gain_inexact: f64,
     /// Mean square over that of the noise from which something is left.
     pub above_noise: f64,

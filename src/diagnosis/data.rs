@@ -20,11 +20,11 @@ const BELOW_FLOOR: f64 = 0.7;
 pub struct Data<'a> {
     pub twin: &'a Twin,
     pub parts: Vec<&'a Observed<'a>>,
-    /// Of the discrepancy, joint by joint.
+    /// Features of the discrepancy, joint by joint.
     pub features: Arc<Vec<Features>>,
     /// Torque that is large for a joint, N.m: rated, or else the largest recorded.
     pub rated: Vec<f64>,
-    /// Of the rows of a joint, the share that is independent of the others: each counts by its root.
+    /// Share of each joint's rows that is independent of the others: every row is scaled by its square root.
     pub shares: Vec<f64>,
     /// How well the scale of torque is known beside that of the links' masses, relative.
     pub scale_error: f64,
@@ -34,7 +34,7 @@ pub struct Data<'a> {
 }
 
 impl<'a> Data<'a> {
-    /// With a discrepancy.
+    /// The recordings with a discrepancy.
     pub fn new(parts: Vec<&'a Observed<'a>>, settings: &Settings) -> Self {
         let mut data = Self::plain(parts);
         let discrepancy = Discrepancy::new(&data.parts, settings);
@@ -48,7 +48,7 @@ impl<'a> Data<'a> {
         data
     }
 
-    /// Without.
+    /// The recordings without a discrepancy.
     pub fn plain(parts: Vec<&'a Observed<'a>>) -> Self {
         let twin = parts[0].twin;
         let none = || Features::new(Vec::new(), Vec::new(), GROUPS.len());
@@ -68,7 +68,7 @@ impl<'a> Data<'a> {
         self.parts.iter().map(|p| p.rows[j].len()).sum()
     }
 
-    /// The same as they count.
+    /// Number of independent rows of a joint, over all recordings.
     pub fn count(&self, j: usize) -> f64 {
         self.shares[j] * self.rows(j) as f64
     }
@@ -102,8 +102,8 @@ impl<'a> Data<'a> {
         Raw::new(rows, self.features.clone())
     }
 
-    /// The same recordings, each row of a joint counted by the share of them that is independent: what
-    /// a model leaves goes along with itself for a while, and so many rows say no more than fewer.
+    /// These recordings, each row of a joint counted by the share of them that is independent: what a model
+    /// leaves is correlated in time, and so many rows say no more than fewer.
     pub fn counted(self, shares: Vec<f64>) -> Self {
         let scaled = |(f, s): (&Features, &f64)| f.scaled(s.sqrt());
         let features = self.features.iter().zip(&shares).map(scaled).collect();

@@ -22,9 +22,9 @@ use crate::signals::central_difference;
 pub const GROUPS: [&str; 4] = ["posture", "masses", "timing", "time"];
 /// The place of "masses" among them.
 pub const MASSES: usize = 1;
-/// Those whose size is known beforehand: no larger than the features as they come.
+/// Groups whose size is known beforehand: no larger than the features as they come.
 const KNOWN: [&str; 2] = ["masses", "timing"];
-/// Of the time between samples: channels are not taken at one instant better than this.
+/// Share of the time between samples: channels are not taken at one instant better than this.
 const SIMULTANEOUS: f64 = 0.125;
 
 /// Features of a smooth function of all angles and speeds (Rahimi and Recht, "Random features for
@@ -207,7 +207,7 @@ pub fn mass_errors(body: &Body, settings: &Settings) -> [f64; 4] {
     [mass, moment, moment, moment].map(|sd| sd.max(f64::MIN_POSITIVE))
 }
 
-/// Mean and standard deviation.
+/// Mean and standard deviation of a series.
 fn spread(x: &[f64]) -> [f64; 2] {
     let n = x.len().max(1) as f64;
     let mean = x.iter().sum::<f64>() / n;

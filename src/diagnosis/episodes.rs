@@ -17,7 +17,7 @@ use crate::signals::runs;
 
 /// Length of a window, s.
 const WINDOW_S: f64 = 0.25;
-/// Times the largest of the other recording.
+/// Multiple of the largest window of the other recording from which a window stands out.
 const BEYOND: f64 = 1.5;
 /// Rows of one joint in a window, least.
 const FEWEST: usize = 3;
@@ -33,7 +33,7 @@ const PUSHED: f64 = 0.5;
 pub struct Episode {
     /// `fit` or `check`.
     pub recording: String,
-    /// In the recording, s.
+    /// Time in the recording, s.
     pub start: f64,
     pub end: f64,
     /// Joints that stand out, from 1 at the base.
@@ -42,7 +42,7 @@ pub struct Episode {
     pub peak_nm: f64,
     /// Force at the flange that fits best, N, in the axes of the base: what the arm pushes against.
     pub force_n: [f64; 3],
-    /// Of the squares of the stretch's gap, the share that this force explains.
+    /// Share of the squares of the stretch's gap that this force explains.
     pub explained: f64,
     /// The force from outside over time, where one is more probable than none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -55,7 +55,7 @@ pub struct Touch {
     /// From 1 at the base: the most probable one.
     pub link: usize,
     pub link_probability: f64,
-    /// In the recording, s.
+    /// Time in the recording, s.
     pub start_s: f64,
     pub end_s: f64,
     pub peak_time_s: f64,

@@ -22,7 +22,7 @@ use crate::twin::Twin;
 /// Stands in a command for the file of the twin, which a diagnosis does not know.
 pub const TWIN: &str = " --twin TWIN";
 
-/// Of every motion of the menu, s.
+/// Length of every motion of the menu, s.
 const LENGTH_S: f64 = 30.0;
 /// Less than this decides nothing, nats.
 const LEAST_NATS: f64 = 6.0;
@@ -30,7 +30,7 @@ const LEAST_NATS: f64 = 6.0;
 const TILT_RAD: f64 = 0.17;
 const LOAD_KG: f64 = 2.0;
 const LOAD_HEIGHT_M: f64 = 0.05;
-/// From cold to warm, deg C.
+/// Temperatures from cold to warm, deg C.
 const WARM_C: [f64; 2] = [25.0, 45.0];
 
 #[derive(Clone, Copy, PartialEq)]
@@ -74,7 +74,7 @@ const MENU: [Experiment; 9] = [
     experiment("the same from cold to warm", Kind::Mixed, 4.0, Change::Warmth),
 ];
 
-/// In words: the motion that separates `rivals` best, and how to make it.
+/// The motion that separates `rivals` best, and how to make it, in words.
 pub fn next(
     check: &Observed<'_>,
     floor: &[Floor],

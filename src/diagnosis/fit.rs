@@ -14,8 +14,8 @@ use crate::series::JointSeries;
 
 /// Passes of fitting causes that depend on each other.
 const MOST_PASSES: usize = 4;
-/// Of a joint's rated torque: how large an effect is expected to be, as a standard deviation. Joints
-/// are sized such that friction and what else is lost comes to about a tenth of it.
+/// Expected size of an effect (standard deviation) as a share of a joint's rated torque. Joints are sized
+/// such that friction and what else is lost comes to about a tenth of it.
 pub const EXPECTED_SHARE: f64 = 0.1;
 
 /// A model fitted to the recordings of `data`.
@@ -55,7 +55,7 @@ impl<'a> Fit<'a> {
         fit
     }
 
-    /// Without a discrepancy.
+    /// The fit without a discrepancy.
     pub fn plain(data: &'a Data<'a>, model: Model) -> Self {
         Self::new(data, model, data.nothing())
     }
@@ -75,7 +75,7 @@ impl<'a> Fit<'a> {
         Self { data, model, sizes, metric, system, squares, normal, modelled, rigid }
     }
 
-    /// The same beside a discrepancy of other sizes.
+    /// This fit beside a discrepancy of other sizes.
     pub fn beside(mut self, sizes: Vec<Vec<u8>>) -> Self {
         if sizes == self.sizes {
             return self;
@@ -110,12 +110,12 @@ impl<'a> Fit<'a> {
         joints - self.system.occam_penalty() - starts
     }
 
-    /// Of one joint's rows.
+    /// Log-likelihood of joint `j`'s rows, nats.
     pub fn ln_likelihood(&self, j: usize) -> f64 {
         self.data.ln_likelihood(j, self.squares[j], &self.metric)
     }
 
-    /// The same model beside a discrepancy of other sizes.
+    /// Metric and solution of this model beside a discrepancy of other sizes.
     pub fn seen_beside(&self, sizes: &[Vec<u8>]) -> (Metric, System) {
         let metric = self.data.metric(sizes);
         let system = solved(self.data, &self.model, &self.normal, &metric);
@@ -151,7 +151,7 @@ impl<'a> Fit<'a> {
         self.data.fresh(|p| self.blocks(p, candidate, nonlinear))
     }
 
-    /// Of one recording.
+    /// The columns of a further candidate, as the rows of recording `p` show them.
     pub fn blocks(&self, p: usize, candidate: Candidate, nonlinear: &[f64]) -> Vec<Blocks> {
         let (observed, sensors) = (self.data.parts[p], &self.model.causes);
         let motion = self.motion_of(p);
@@ -159,7 +159,7 @@ impl<'a> Fit<'a> {
         series.iter().map(|column| shown(observed, sensors, column.clone())).collect()
     }
 
-    /// The same, kept for the next time where the effect does not depend on values of the model.
+    /// The columns of `raw`, kept for the next time where the effect does not depend on values of the model.
     pub fn raw_kept(&self, candidate: Candidate, nonlinear: &[f64]) -> Arc<Vec<Raw>> {
         if follows(candidate) {
             return Arc::new(self.raw(candidate, nonlinear));
@@ -168,7 +168,7 @@ impl<'a> Fit<'a> {
         self.data.kept(&sensors, &key, |p| self.blocks(p, candidate, nonlinear))
     }
 
-    /// The same in the metric of this fit.
+    /// The columns of `raw` in the metric of this fit.
     pub fn columns(&self, candidate: Candidate, nonlinear: &[f64]) -> Vec<Column> {
         self.raw(candidate, nonlinear).iter().map(|c| Column::new(c, &self.metric)).collect()
     }
@@ -180,7 +180,7 @@ impl<'a> Fit<'a> {
         Motion { known: Some(&self.modelled[p]), rigid, ..observed.motion(laden) }
     }
 
-    /// Of the first recording, where a search begins.
+    /// The motion of the first recording, where a search begins.
     pub fn motion(&self) -> Motion<'_> {
         let first = self.data.parts[0];
         first.motion(&first.twin.robot)
@@ -246,8 +246,8 @@ fn recorded(data: &Data<'_>, model: &Model, built: &[Built]) -> Raw {
     }
 }
 
-/// In two rounds: the weights of the second are what the first leaves. The twin's own friction that
-/// would have to push is held at zero.
+/// Least squares in two rounds: the weights of the second are what the first leaves. The twin's own friction
+/// that would have to push is held at zero.
 fn solved(data: &Data<'_>, model: &Model, normal: &Normal, metric: &Metric) -> System {
     let mut priors = priors(data, model, &normal.columns);
     let start = Column::new(&normal.y, metric).squares();

@@ -41,16 +41,16 @@ impl FloorFrom {
 
 /// Sliding samples two cycles must share.
 const FEWEST_PAIRS: usize = 200;
-/// Of the Nyquist frequency: where current holds noise and no motion; beyond, interpolation damps.
+/// Shares of the Nyquist frequency between which current holds noise, no motion; beyond, interpolation damps.
 const QUIET: [f64; 2] = [0.5, 0.9];
-/// Of the motion's low-pass: where position holds more noise than motion. Below, the motion's own
-/// spectrum lies above the encoder's noise; the damping is made good.
+/// Band, in multiples of the motion's low-pass, where position holds more noise than motion. Below, the
+/// motion's own spectrum lies above the encoder's noise; the damping is made good.
 const PASSED: [f64; 2] = [1.0, 1.25];
 /// Poses the mass matrix is averaged over.
 const POSES: usize = 64;
 
-/// One per joint, on the torque as a regression uses it. From repeats where the motion comes again,
-/// else estimated.
+/// Noise floor of each joint, on the torque as a regression uses it. From repeats where the motion comes
+/// again, else estimated.
 pub fn noise_floor(samples: &Samples, twin: &Twin) -> Vec<Floor> {
     let filter = samples.torque_filter().ok().flatten();
     let estimated = estimate(samples, twin, filter.as_ref());

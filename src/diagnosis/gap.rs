@@ -80,7 +80,7 @@ impl Measured<'_> {
         })
     }
 
-    /// Of `x` where `holds`; whole stretches of the recording are resampled. 0 where it never does.
+    /// Root mean square of `x` where `holds`, 0 if nowhere; whole stretches of the recording are resampled.
     fn rms(&self, holds: &[bool], x: &[f64]) -> Rms {
         let rows = self.samples.rows_where(self.mask);
         let weight: Vec<f64> =

@@ -10,9 +10,9 @@ use crate::series::JointSeries;
 
 /// What is left of the check recording by values of the fit recording alone, N.m at its rows.
 pub struct HeldOut {
-    /// By the twin as given, its open terms fitted and nothing else.
+    /// Residual of the twin as given, its open terms fitted and nothing else, N.m.
     pub before: Blocks,
-    /// With the causes that a search of the fit recording alone finds.
+    /// Residual with the causes that a search of the fit recording alone finds, N.m.
     pub after: Blocks,
     /// Those causes.
     pub causes: Vec<Candidate>,

@@ -38,11 +38,11 @@ impl Hypothesis<'_> {
 
 /// A cause among its rivals, the other causes in place.
 pub struct Standing<'a> {
-    /// Best first.
+    /// Hypotheses, best first.
     pub ranked: Vec<Hypothesis<'a>>,
     /// The cause's index in `ranked`.
     pub index: usize,
-    /// The other causes alone.
+    /// The fit with the other causes alone.
     pub without: Fit<'a>,
 }
 
@@ -93,7 +93,7 @@ impl<'a> Hypotheses<'a> {
         self.candidates.iter().filter(|c| !there(c)).copied().collect()
     }
 
-    /// With the discrepancy at its most likely sizes at some joints.
+    /// The fit with the discrepancy at its most likely sizes at `joints`.
     pub fn tuned(&self, fit: Fit<'a>, joints: &[usize]) -> Fit<'a> {
         let sizes = fit.likely_sizes(joints);
         fit.beside(sizes)
@@ -170,7 +170,7 @@ impl<'a> Hypotheses<'a> {
         Hypothesis { trial, fit, nats, at_bound }
     }
 
-    /// Without cause `i`, beside the discrepancy that this leaves.
+    /// The fit without cause `i`, beside the discrepancy that this leaves.
     pub fn without(&self, fit: &Fit<'a>, i: usize) -> Fit<'a> {
         let cause = fit.model.causes[i].candidate;
         let without = Fit::new(self.data, fit.model.without(i), fit.sizes.clone());

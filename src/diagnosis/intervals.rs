@@ -14,11 +14,11 @@ use crate::effects::{Parameter, Role};
 use crate::regression::{Normal, Raw, System};
 use crate::statistics::{effective_samples, normal_quantile, student_quantile};
 
-/// Of the intervals.
+/// Confidence level of the intervals.
 pub const LEVEL: f64 = 0.9;
-/// Of a nonlinear parameter, relative; a hundredth of its range for zero.
+/// Relative step of a nonlinear parameter for its slope; a hundredth of its range for zero.
 const DIFFERENCE: f64 = 1e-3;
-/// The same where columns follow a reference and may jump: what they do over a small step says nothing
+/// Relative step where columns follow a reference and may jump: what they do over a small step says nothing
 /// of what they do over a wide one.
 const WIDE_DIFFERENCE: f64 = 0.2;
 
@@ -32,7 +32,7 @@ pub fn values(fit: &Fit<'_>) -> Vec<Vec<Value>> {
     values
 }
 
-/// The same of a fit as it is.
+/// Values of every cause with intervals, of a fit as it is.
 pub(super) fn of_fit(fit: &Fit<'_>) -> Vec<Vec<Value>> {
     let (systems, places) = information(fit);
     let cause = |i: usize| {
@@ -83,8 +83,8 @@ pub fn may_be_absent(candidate: Candidate, values: &[Value]) -> bool {
 /// Column of each parameter, cause by cause; `None` where it was not searched.
 type Places = Vec<Vec<Option<usize>>>;
 
-/// On all parameters, and where they are. What a bound holds at zero is as uncertain as the rest, and
-/// makes the rest as uncertain.
+/// Information on all parameters, and their columns. What a bound holds at zero is as uncertain as the rest,
+/// and makes the rest as uncertain.
 fn information(fit: &Fit<'_>) -> (Systems, Places) {
     let mut columns = fit.free_columns();
     let mut places = Vec::new();
@@ -146,10 +146,10 @@ struct Systems {
     without: Vec<System>,
 }
 
-/// Of a 90 % interval: what the information gives, or what it comes to when one joint after the other is
-/// left out, where that is more: the parameters of a load are wrong by what any joint's scale and links
-/// are (the jackknife with Student's t: Efron, "The jackknife, the bootstrap and other resampling plans",
-/// 1982, section 3).
+/// Half-width of a 90 % interval: what the information gives, or what it comes to when one joint after the
+/// other is left out, where that is more: the parameters of a load are wrong by what any joint's scale and
+/// links are (the jackknife with Student's t: Efron, "The jackknife, the bootstrap and other resampling
+/// plans", 1982, section 3).
 fn half_width(systems: &Systems, column: usize) -> f64 {
     let Systems { all, scaled, without } = systems;
     let own = all.variance(column);
@@ -165,17 +165,17 @@ fn half_width(systems: &Systems, column: usize) -> f64 {
     }
 }
 
-/// Times the variance from all joints, from which on the others do not tell a parameter.
+/// Multiple of the variance from all joints from which on the others do not tell a parameter.
 const UNTOLD: f64 = 100.0;
 
-/// Of the rows of each joint, the share that is independent in what model and discrepancy leave, over
-/// that by which they count already.
+/// Share of each joint's rows that is independent in what model and discrepancy leave, over that by which
+/// they count already.
 pub(super) fn independent(fit: &Fit<'_>) -> Vec<f64> {
     let shares = shares(fit).into_iter().zip(&fit.data.shares);
     shares.map(|(now, counted)| now / counted).collect()
 }
 
-/// Of the rows of each joint, the share that is independent in what model and discrepancy leave.
+/// Share of each joint's rows that is independent in what model and discrepancy leave.
 pub(super) fn shares(fit: &Fit<'_>) -> Vec<f64> {
     let share = |rows: Vec<f64>| match rows.len() {
         0 => 1.0,

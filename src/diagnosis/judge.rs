@@ -47,7 +47,7 @@ impl Gain {
 }
 
 impl Judge<'_> {
-    /// Of what the others leave, by cause `i` of a fit to both recordings.
+    /// Gain by cause `i` of a fit to both recordings: what it takes off what the others leave.
     pub fn gain(&self, fit: &Fit<'_>, i: usize) -> Gain {
         let (check, metric) = (self.check, self.check.metric(&fit.sizes));
         let left = |model: Model| {

@@ -17,20 +17,20 @@ use crate::signals::{LowPass, central_difference};
 use crate::statistics::{effective_samples, normal_quantile};
 
 const EFFECT: &str = "velocity_lag";
-/// Of the interval.
+/// Confidence level of the interval.
 const LEVEL: f64 = 0.9;
 /// Standard deviations from none, on both recordings.
 const CLEAR: f64 = 5.0;
-/// Of the mean square of qd - qd_r: less taken off the check recording is no finding.
+/// Least share of the mean square of qd - qd_r on the check recording that a lag must take off.
 const LEAST_SHARE: f64 = 0.05;
-/// Of the sample interval: positions and velocities are not taken at one instant better than this.
+/// Share of the sample interval: positions and velocities are not taken at one instant better than this.
 const SIMULTANEOUS: f64 = 1.0 / 8.0;
-/// Of a joint's lag: as far from one value for all, three quarters of what its own would take off are taken off.
+/// Largest relative distance of the common lag from a joint's own: it still takes off three quarters.
 const ALIKE: f64 = 0.5;
-/// That a lag found this clearly is none.
+/// Probability that a lag found this clearly is none.
 const DOUBT: f64 = 0.03;
 
-/// A lag of one joint, s.
+/// Lag of one joint's recorded velocity with its standard deviation, s.
 #[derive(Debug, Clone, Copy)]
 struct Lag {
     value: f64,
@@ -40,9 +40,9 @@ struct Lag {
 /// A recorded velocity that lags.
 #[derive(Debug, Clone)]
 pub struct Lagging {
-    /// From 0; all joints where they lag alike.
+    /// Joints that lag, from 0; all of them where they lag alike.
     joints: Vec<usize>,
-    /// All alike, or one joint.
+    /// Lag of all joints alike, or of one joint.
     lag: Lag,
     whole_arm: bool,
     shrink: Checked,
@@ -217,7 +217,7 @@ impl Lagging {
         })
     }
 
-    /// From 1; none for the whole arm.
+    /// Joints from 1; none for the whole arm.
     fn named(&self) -> Vec<usize> {
         match self.whole_arm {
             true => vec![],

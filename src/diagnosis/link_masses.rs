@@ -19,7 +19,7 @@ struct Change<'a> {
     kg: f64,
     /// Half the width of its 90 % interval, kg.
     half: f64,
-    /// Of its mass.
+    /// Change as a share of the link's mass.
     share: f64,
 }
 
@@ -43,7 +43,7 @@ pub fn says(fit: &Fit<'_>, settings: &Settings) -> Option<String> {
     })
 }
 
-/// Of every link, and the torque that all changes together give at each joint (root mean square, N.m).
+/// Change of every link, and the torque that all changes together give at each joint (root mean square, N.m).
 fn changes<'a>(fit: &Fit<'a>, settings: &Settings) -> (Vec<Change<'a>>, Vec<f64>) {
     // They stand for themselves here.
     let mut sizes = fit.sizes.clone();

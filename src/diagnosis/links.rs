@@ -14,7 +14,7 @@ use super::screen::screen;
 use super::search::{Found, grown};
 use crate::effects::find;
 
-/// Times what CAD is commonly wrong by: from that to links that are off several times.
+/// Multiples of what CAD is commonly wrong by: from that to links that are off several times.
 const SPREADS: [f64; 3] = [1.0, 3.0, 10.0];
 
 /// All links, as far from the twin's as `spread` times what is common.

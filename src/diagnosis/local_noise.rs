@@ -35,14 +35,14 @@ pub fn local_noise(x: &[f64], rate_hz: f64, band_hz: &Range<f64>, times: &[bool]
     median / (MEDIAN_ABSOLUTE * band_gain(&impulse(), rate_hz, band_hz).sqrt())
 }
 
-/// Of white noise, as variance, through a filter with this response to an [`impulse`] and then
-/// through the band; 1 if the band does not fit the rate.
+/// Gain of the variance of white noise through a filter with this response to an [`impulse`] and then through
+/// the band; 1 if the band does not fit the rate.
 pub fn band_gain(response: &[f64], rate_hz: f64, band_hz: &Range<f64>) -> f64 {
     let passed = band_pass(response, rate_hz, band_hz);
     passed.map_or(1.0, |r| r.iter().map(|r| r * r).sum())
 }
 
-/// 1 amid zeros.
+/// Unit impulse: 1 amid zeros.
 pub fn impulse() -> Vec<f64> {
     let mut impulse = vec![0.0; IMPULSE];
     impulse[IMPULSE / 2] = 1.0;

@@ -17,7 +17,7 @@ use crate::identification::{Located, Terms};
 use crate::signals::Samples;
 use crate::twin::Twin;
 
-/// Of the candidates that gain most at their starts, how many are refined.
+/// How many candidates are refined: those that gain most at their starts.
 const REFINED: usize = 4;
 /// Rounds of searching every effect again, given the others.
 const ROUNDS: usize = 4;
@@ -124,7 +124,7 @@ pub(super) fn refine_together(data: &Data<'_>, model: &mut Model, sought: &[usiz
     *model = Fit::plain(data, model.clone()).model;
 }
 
-/// As the model has it; where it is not in the model, at the first start and without torque.
+/// The candidate as the model has it; where it is not in the model, at the first start and without torque.
 fn located(candidate: &Candidate, starts: Vec<Vec<f64>>, model: &Model) -> Located {
     let Candidate { effect, place, .. } = *candidate;
     let found: Option<&Term> = model.causes.iter().find(|t| t.candidate == *candidate);

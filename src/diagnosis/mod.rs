@@ -75,13 +75,13 @@ use crate::twin::Twin;
 pub struct Settings {
     /// Effects taken out of the catalogue.
     pub without: Vec<String>,
-    /// Of the discrepancy's features and of bootstraps.
+    /// Random seed for the discrepancy's features and for bootstraps.
     pub seed: u64,
     /// How well the twin's link masses are known, relative; 0 takes them for exact.
     pub mass_error: f64,
     /// How well their centres are known, m.
     pub centre_error_m: f64,
-    /// What decides.
+    /// Thresholds that decide.
     #[serde(default)]
     pub criteria: Criteria,
 }
@@ -107,7 +107,7 @@ pub enum DiagnosisError {
 }
 
 impl DiagnosisError {
-    /// Said of one of two recordings.
+    /// The error with the name of the recording it is about.
     fn of(self, which: &str) -> Self {
         match self {
             Self::Recording(problem) => {
@@ -132,7 +132,7 @@ pub fn diagnose(
     Ok(diagnose_traced(twin, fit, check, settings)?.0)
 }
 
-/// The same with what it rests on, sample by sample.
+/// The answer of [`diagnose`] with what it rests on, sample by sample.
 ///
 /// # Errors
 /// As [`diagnose`].
@@ -156,8 +156,8 @@ pub fn diagnose_traced(
     once(twin, &fewer, settings)
 }
 
-/// Times a delay of the torque that is left out beside standstill: the first one found is too short
-/// for what standing joints add to it.
+/// Multiple of the torque's delay that is left out beside standstill: the first one found is too short for
+/// what standing joints add to it.
 const LATE: f64 = 1.5;
 
 /// How late the torque is by the causes, s.

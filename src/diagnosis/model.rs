@@ -39,7 +39,7 @@ impl Model {
         more
     }
 
-    /// Without cause `i`.
+    /// The model without cause `i`.
     pub fn without(&self, i: usize) -> Self {
         let mut fewer = self.clone();
         fewer.causes.remove(i);

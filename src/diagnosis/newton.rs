@@ -13,9 +13,9 @@ use crate::regression::bounds::Bounds;
 const STEPS: usize = 6;
 /// Gains that are worth another step, nats.
 const SETTLED: f64 = 0.1;
-/// Of a step, tried one after the other until one gains.
+/// Shares of a step, tried one after the other until one gains.
 const SHARES: [f64; 3] = [1.0, 0.5, 0.2];
-/// Of the way to the neighbouring starts: the difference that gives a slope.
+/// Step of the difference that gives a slope, as a share of the distance between the neighbouring starts.
 const DIFFERENCE: f64 = 1e-3;
 
 /// The trial where no step gains any more, within its neighbouring starts.
@@ -73,7 +73,7 @@ fn slope(fit: &Fit<'_>, best: &Trial, i: usize, [below, above]: [f64; 2]) -> Col
     sum
 }
 
-/// Of the linear parameters, and of the changes of the nonlinear ones.
+/// Bounds of the linear parameters, and of the changes of the nonlinear ones.
 fn bounds(fit: &Fit<'_>, best: &Trial, free: &[usize], ends: &[[f64; 2]]) -> Option<Bounds> {
     let linear = linear_bounds(best.candidate, fit.data.twin);
     let own = 0..best.linear.len();

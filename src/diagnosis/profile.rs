@@ -19,7 +19,7 @@ use crate::statistics::normal_quantile;
 const POINTS: usize = 40;
 /// Log-likelihood behind the best of an optimum that is looked at, nats.
 const CLOSE_NATS: f64 = 6.0;
-/// Of the distance between two of them, to find where an interval ends.
+/// Halvings of the distance between two of them, to find where an interval ends.
 const HALVINGS: usize = 5;
 
 /// Widens the intervals of cause `i`, where it acts at one joint and has one nonlinear parameter.

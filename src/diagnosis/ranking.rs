@@ -15,9 +15,9 @@ pub fn named(candidate: Candidate) -> Named {
     Named { effect: candidate.name().into(), joints: candidate.place.joints() }
 }
 
-/// Of a law that is not exact: chosen by one recording and confirmed by another, it agreed in two of two,
-/// and would again with this probability (Jeffreys' prior: (2 + 1/2) / (2 + 1)). Where it would not,
-/// something unknown looks like it.
+/// Probability that a law that is not exact agrees again: chosen by one recording and confirmed by another,
+/// it agreed in two of two (Jeffreys' prior: (2 + 1/2) / (2 + 1)). Where it would not, something unknown
+/// looks like it.
 const REPLICATES: f64 = 2.5 / 3.0;
 
 /// What a probability is worth where the law is, or is not, exact.
@@ -28,7 +28,7 @@ pub fn replicated(probability: f64, candidate: Candidate, gain: &Gain, criteria:
     }
 }
 
-/// That a cause is there: it or what looks the same, beside its other rivals and none of them.
+/// Probability that a cause is there: it or what looks the same, beside its other rivals and none of them.
 pub fn probability(standing: &Standing<'_>, criteria: &Criteria) -> f64 {
     let shares = shares(standing, criteria);
     let usable = standing.ranked.iter().filter(|h| h.at_bound.is_none());
@@ -51,7 +51,7 @@ pub fn is_equal(standing: &Standing<'_>, h: &Hypothesis<'_>, criteria: &Criteria
     !is_mine(standing, h) && h.at_bound.is_none() && h.nats > 0.0 && as_well()
 }
 
-/// Of those that are no rejections, in order; the last is that the other causes alone are at work.
+/// Probabilities of the hypotheses not rejected, in order; the last: the other causes alone are at work.
 fn shares(standing: &Standing<'_>, criteria: &Criteria) -> Vec<f64> {
     let usable = standing.ranked.iter().filter(|h| h.at_bound.is_none());
     let nats: Vec<f64> = usable.map(|h| h.nats).chain([0.0]).collect();

@@ -10,15 +10,15 @@ use crate::twin::Twin;
 
 /// Rounds of refining one nonlinear parameter after the other.
 const ROUNDS: usize = 5;
-/// Of the gain: from which on another round is worth it.
+/// Least relative increase of the gain that makes another round worth it.
 const WORTH_ANOTHER: f64 = 0.003;
 /// Relative difference of a reference from its value that calls for refining.
 const INCONSISTENT: f64 = 0.02;
 /// Values looked at between the ends of a bracket with several optima.
 const SCANNED: usize = 9;
-/// Of the distance between starts: a value that is closer to a start has hardly left it.
+/// Share of the distance between starts: a value that is closer to a start has hardly left it.
 const AWAY: f64 = 0.25;
-/// Of a refined parameter, relative to the bracket (of its logarithm where positive).
+/// Tolerance of a refined parameter, relative to the bracket (of its logarithm where positive).
 const TOLERANCE: f64 = 0.01;
 /// Rounds of setting references from what was fitted.
 const SETTLING: usize = 4;
@@ -37,7 +37,7 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// At one of its starts, not tried yet.
+    /// The candidate at one of its starts, not tried yet.
     pub fn at(candidate: Candidate, nonlinear: Vec<f64>, starts: Arc<Vec<Vec<f64>>>) -> Self {
         let (gain, most) = (f64::NEG_INFINITY, 0.0);
         Self { candidate, linear: vec![], nonlinear, gain, most, starts }

@@ -6,16 +6,16 @@ use crate::series::JointSeries;
 use crate::signals::{LowPass, Samples, runs};
 use crate::twin::Twin;
 
-/// After sliding has begun in the other direction, s.
+/// Length of a reversal after sliding has begun in the other direction, s.
 const REVERSAL_S: f64 = 0.2;
-/// Of the speed that a joint stays below 95 % of its sliding time.
+/// Limits of slow and fast, as shares of the speed that a joint stays below 95 % of its sliding time.
 const SLOW: f64 = 0.2;
 const FAST: f64 = 0.6;
 /// Warming by less is none, K.
 const WARMING_K: f64 = 1.0;
 /// Angles closer together are one place, rad.
 const RANGE_RAD: f64 = 0.1;
-/// Between low and mid, and between mid and high frequencies, Hz. Poses and loads change below the
+/// Limits between low and mid, and between mid and high frequencies, Hz. Poses and loads change below the
 /// first, links and teeth vibrate above the second.
 const BANDS_HZ: [f64; 2] = [0.5, 3.0];
 const BAND_ORDER: usize = 2;
@@ -23,7 +23,7 @@ const BAND_ORDER: usize = 2;
 /// Where a condition holds, and the residual to be looked at there.
 pub struct Condition {
     pub regime: &'static str,
-    /// Within the joint's mask.
+    /// Samples where it holds, within the joint's mask.
     pub holds: Vec<bool>,
     /// Where it is not the residual itself: its part in a band of frequencies, N.m.
     pub part: Option<Vec<f64>>,
@@ -130,7 +130,7 @@ impl At<'_> {
         vec![self.of("cold", |k| t[k] < middle), self.of("warm", |k| t[k] > middle)]
     }
 
-    /// Thirds of the range.
+    /// Conditions for the thirds of the joint's range of angles.
     fn angles(&self) -> Vec<Condition> {
         let q = self.samples.q.joint(self.joint);
         let (low, high) = (self.quantile(|k| q[k], 0.0), self.quantile(|k| q[k], 1.0));
@@ -140,7 +140,7 @@ impl At<'_> {
         self.thirds(["angle_low", "angle_mid", "angle_high"], |k| (q[k] - low) / (high - low))
     }
 
-    /// Thirds of the recording.
+    /// Conditions for the thirds of the recording in time.
     fn times(&self) -> Vec<Condition> {
         let n = self.mask.len() as f64;
         self.thirds(["time_begin", "time_middle", "time_end"], |k| k as f64 / n)
@@ -182,7 +182,7 @@ impl At<'_> {
         parts.map(of).collect()
     }
 
-    /// Of `value` within the mask; 0 without samples.
+    /// Quantile of `value` at `share`, within the mask; 0 without samples.
     fn quantile(&self, value: impl Fn(usize) -> f64, share: f64) -> f64 {
         let used = (0..self.mask.len()).filter(|&k| self.mask[k]);
         let mut values: Vec<f64> = used.map(value).collect();

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::signals::Samples;
 
-/// Of the coarse search; motion of an arm is slower than a quarter of this.
+/// Rate of the samples and lags in the coarse search, Hz; motion of an arm is slower than a quarter of this.
 const COARSE_HZ: f64 = 20.0;
 /// Lags looked at in the coarse search; longer recordings are looked at more coarsely.
 const MOST_LAGS: usize = 1500;

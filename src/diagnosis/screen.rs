@@ -22,7 +22,7 @@ const SMALLER: [u8; 4] = [0, 2, 4, u8::MAX];
 /// The best start of a candidate.
 pub struct Screened {
     pub trial: Trial,
-    /// Evidence gained, about, nats.
+    /// Evidence gained, approximately, nats.
     pub gain: f64,
     /// Sizes of the discrepancy it was gained beside.
     pub sizes: Vec<Vec<u8>>,

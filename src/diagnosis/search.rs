@@ -23,7 +23,7 @@ pub struct Weighed {
     pub candidate: Candidate,
     pub nats: f64,
     pub at_bound: Option<&'static str>,
-    /// Linear, then nonlinear.
+    /// Values of the linear parameters, then of the nonlinear ones.
     pub values: Vec<f64>,
 }
 
@@ -31,21 +31,21 @@ pub struct Weighed {
 pub struct Found<'a> {
     /// The twin alone, beside its discrepancy.
     pub start: Fit<'a>,
-    /// With all causes.
+    /// The fit with all causes.
     pub last: Fit<'a>,
     pub rounds: Vec<Round>,
     /// Every candidate that was screened in the first round, with the evidence it gains there, about.
     pub screened: Vec<(Candidate, f64)>,
 }
 
-/// From the twin alone to all causes the evidence supports.
+/// Search from the twin alone to all causes the evidence supports.
 pub fn search<'a>(all: &Hypotheses<'a>) -> Found<'a> {
     let joints: Vec<usize> = (0..all.data.joints()).collect();
     let start = all.tuned(Fit::plain(all.data, Model::of(all.data.twin)), &joints);
     grown(all, start.clone(), start)
 }
 
-/// From `last` to all further causes the evidence supports.
+/// Search from `last` to all further causes the evidence supports.
 pub fn grown<'a>(all: &Hypotheses<'a>, start: Fit<'a>, mut last: Fit<'a>) -> Found<'a> {
     let (mut rounds, mut first) = (Vec::new(), Vec::new());
     while last.model.causes.len() < all.criteria.most_causes {

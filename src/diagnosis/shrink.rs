@@ -43,13 +43,13 @@ fn reducible(before: f64, after: f64, noise: f64) -> f64 {
     if above(before) > 0.0 { 1.0 - above(after) / above(before) } else { 0.0 }
 }
 
-/// Of the mean square: 1 - after^2 / before^2; 0 where there was nothing.
+/// Share by which a mean square shrinks from `before` to `after`; 0 where there was nothing.
 fn fraction(before: f64, after: f64) -> f64 {
     if before > 0.0 { 1.0 - after / before } else { 0.0 }
 }
 
 impl BeforeAfter<'_> {
-    /// Over all joints; the interval by block bootstrap.
+    /// Shrink over all joints together; the interval by block bootstrap.
     pub fn checked(&self, seed: u64) -> Checked {
         let (before, after, rows) = self.squares();
         let [low, high] =

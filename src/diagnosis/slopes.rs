@@ -7,10 +7,10 @@ use super::fit::Fit;
 use super::refine::{Trial, neighbours, settled};
 use crate::regression::{Blocks, Raw};
 
-/// Of the way to a neighbouring start: the difference that gives a slope.
+/// Step of the difference that gives a slope, as a share of the way to a neighbouring start.
 const DIFFERENCE: f64 = 1e-3;
 
-/// Of cause `k` of a model, for each nonlinear parameter that is searched and no reference.
+/// Slopes of cause `k` of a model, for each nonlinear parameter that is searched and no reference.
 pub fn of_cause(fit: &Fit<'_>, k: usize) -> Vec<Raw> {
     let term = &fit.model.causes[k];
     let starts = Arc::new(term.candidate.starts(&fit.motion(), fit.data.twin));
@@ -26,14 +26,14 @@ pub fn of_cause(fit: &Fit<'_>, k: usize) -> Vec<Raw> {
     .collect()
 }
 
-/// Of a sensor of `candidate` that is not in the model, around none.
+/// Slope of a sensor of `candidate` that is not in the model, around none.
 pub fn of_sensor(fit: &Fit<'_>, candidate: Candidate, nonlinear: &[f64]) -> Raw {
     let mut sensors = fit.model.causes.clone();
     sensors.push(Term::new(candidate, nonlinear.to_vec()));
     otherwise_sensed(fit, candidate, &sensors, nonlinear[0])
 }
 
-/// Of nonlinear parameter `i` of cause `k`, by a difference of `step`.
+/// Slope over nonlinear parameter `i` of cause `k`, by a difference of `step`.
 fn slope(fit: &Fit<'_>, k: usize, i: usize, step: f64) -> Raw {
     let cause = &fit.model.causes[k];
     let mut moved = cause.nonlinear.clone();

@@ -12,14 +12,14 @@ use crate::series::JointSeries;
 use crate::signals::Samples;
 use crate::twin::Twin;
 
-/// Of the rows that were judged: sliding, usable, decimated.
+/// Signals at the rows that were judged: sliding, usable, decimated.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Traces {
-    /// Of the first sample in the recording, s.
+    /// Time of the first sample in the recording, s.
     pub start: f64,
-    /// Between neighbouring rows, s; where rows are further apart a stretch is left out.
+    /// Time between neighbouring rows, s; where rows are further apart a stretch is left out.
     pub step: f64,
-    /// Base to wrist.
+    /// Joints from base to wrist.
     pub joints: Vec<JointTraces>,
 }
 
@@ -28,7 +28,7 @@ pub struct Traces {
 pub struct JointTraces {
     /// From 1 at the base.
     pub joint: usize,
-    /// In the recording, s.
+    /// Time in the recording, s.
     pub time: Vec<f64>,
     /// rad
     pub position: Vec<f64>,
@@ -36,9 +36,9 @@ pub struct JointTraces {
     pub velocity: Vec<f64>,
     /// What the gear transmits according to the twin, N.m.
     pub load: Vec<f64>,
-    /// Since sliding began against the direction before, s; NaN before the first reversal.
+    /// Time since sliding began against the direction before, s; NaN before the first reversal.
     pub since_reversal: Vec<f64>,
-    /// As recorded.
+    /// Recorded torque.
     pub torque: Vec<f64>,
     /// What it takes to move the masses the mended twin knows of.
     pub masses: Vec<f64>,
@@ -63,7 +63,7 @@ impl JointTraces {
         self.torque.iter().zip(&self.masses).map(|(t, m)| t - m).collect()
     }
 
-    /// The same of a twin that leaves `residual`.
+    /// Friction of a twin that leaves `residual`, N.m.
     pub fn friction_of(&self, residual: &[f64]) -> Vec<f64> {
         self.friction().iter().zip(residual).map(|(f, r)| f - r).collect()
     }

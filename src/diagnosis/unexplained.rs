@@ -77,7 +77,7 @@ fn depends_on(left: &[Left<'_>; 2], j: usize) -> Vec<Dependence> {
     all
 }
 
-/// Name and series over all samples.
+/// Every variable's name and its series over all samples.
 fn variables(left: &Left<'_>) -> Vec<(String, Vec<f64>)> {
     let samples = left.observed.samples;
     let of = |name: &str, series: &JointSeries| -> Vec<(String, Vec<f64>)> {
@@ -92,7 +92,7 @@ fn variables(left: &Left<'_>) -> Vec<(String, Vec<f64>)> {
     all
 }
 
-/// Of the mean square of joint `j` on the check recording.
+/// Share of the mean square of joint `j` on the check recording that a curve over the variable takes off.
 fn share(left: &[Left<'_>; 2], j: usize, learned: &[f64], judged: &[f64]) -> f64 {
     let rows = |l: &Left<'_>, x: &[f64]| -> Vec<(f64, f64)> {
         let places = &l.observed.rows[j];

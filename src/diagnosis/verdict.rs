@@ -28,16 +28,16 @@ const SCHEMA: &str = "armtwin.diagnosis/1";
 
 /// Everything an answer is made from.
 pub struct Findings<'a> {
-    /// Of both recordings.
+    /// The search of both recordings.
     pub search: &'a Hypotheses<'a>,
     pub found: Found<'a>,
-    /// With the causes that are called causes.
+    /// The fit with the causes that are called causes.
     pub last: Fit<'a>,
     pub standings: Vec<Standing<'a>>,
     pub gains: Vec<Gain>,
     /// What both recordings show together, and the fit recording alone does not.
     pub unconfirmed: Vec<Candidate>,
-    /// Those whose intervals hold that there is nothing.
+    /// Candidates whose intervals hold that there is nothing.
     pub unsure: Vec<Candidate>,
     /// What a search of the fit recording alone says of the check.
     pub held: HeldOut,
@@ -230,7 +230,7 @@ impl<'a> Findings<'a> {
         episodes((self.fit, &left[0]), (self.check, &left[1]))
     }
 
-    /// For the cause that is least told from its best rival.
+    /// The next experiment, for the cause that is least told from its best rival.
     fn next_experiment(&self) -> String {
         let rival = |s: &'_ Standing<'a>| {
             let usable = |i: &usize| *i != s.index && s.ranked[*i].at_bound.is_none();

@@ -13,7 +13,7 @@ use super::intervals::{LEVEL, independent};
 use super::model::Model;
 use crate::regression::{Column, Raw};
 
-/// Of log-likelihood: an end that is worse by more is out of the question, nats.
+/// Loss of log-likelihood from which on an end is out of the question, nats.
 const BEYOND: f64 = 12.0;
 /// Each step of an end is this much longer than the one before, and by a sample at least.
 const LONGER: f64 = 1.3;
@@ -21,8 +21,8 @@ const LONGER: f64 = 1.3;
 /// Windows of a search that are tried in full, of each residual.
 const PROMISING: usize = 4;
 
-/// Of the starts of a candidate that lasts for a while, those whose window holds most that its columns
-/// explain, of what the model leaves with the discrepancy and without; and those that are no windows.
+/// Starts of a candidate that lasts for a while: those whose window holds most that its columns explain, of
+/// what the model leaves with the discrepancy and without; and those that are no windows.
 pub fn promising<'s>(
     fit: &Fit<'_>,
     candidate: Candidate,
@@ -54,9 +54,9 @@ pub fn promising<'s>(
 /// Running sums over time of products of the columns with each other and with a residual, so that
 /// any window costs two look-ups.
 struct Sums {
-    /// Of every row in time, s.
+    /// Time of every row, rising, s.
     time: Vec<f64>,
-    /// Up to and without that row: C'C and C'r, weighted by 1/s^2.
+    /// Sums up to and without that row: C'C and C'r, weighted by 1/s^2.
     running: Vec<(Matrix3<f64>, Vector3<f64>)>,
 }
 
@@ -108,8 +108,8 @@ struct Spread {
     shares: Vec<f64>,
 }
 
-/// Of cause `i`, which has a window of time: [low, high] of its start and of its length, s; with their
-/// places among the nonlinear parameters. `None` where it has none, or where it was not searched.
+/// Intervals of cause `i`, which has a window of time: [low, high] of its start and of its length, s; with
+/// their places among the nonlinear parameters. `None` where it has none, or where it was not searched.
 pub fn intervals(fit: &Fit<'_>, i: usize) -> Option<[(usize, [f64; 2]); 2]> {
     let term = &fit.model.causes[i];
     let (nonlinear, effect) = (&term.nonlinear, term.candidate.effect);
@@ -135,7 +135,7 @@ pub fn intervals(fit: &Fit<'_>, i: usize) -> Option<[(usize, [f64; 2]); 2]> {
     Some([around(start, &first), around(length, &last.less(&first))])
 }
 
-/// Its logarithm, nats, the linear parameters as they are.
+/// Log-likelihood of a model, nats, the linear parameters as they are.
 fn likelihood(fit: &Fit<'_>, model: &Model) -> f64 {
     let squares = Column::new(&fit.predicted(model), &fit.metric).squares();
     let each = squares.iter().zip(&fit.system.weights).zip(independent(fit));
@@ -143,7 +143,7 @@ fn likelihood(fit: &Fit<'_>, model: &Model) -> f64 {
 }
 
 impl Spread {
-    /// From log-likelihoods at up to `most` samples either way.
+    /// The distribution from log-likelihoods at up to `most` samples either way.
     fn of(most: isize, likelihood: impl Fn(isize) -> f64) -> Self {
         let fitted = likelihood(0);
         let walk = |sign: isize| {
@@ -172,7 +172,7 @@ impl Spread {
         Self { first: places[0].0, shares }
     }
 
-    /// Of the difference of two ends that know nothing of each other.
+    /// Distribution of the difference of two ends that are independent of each other.
     fn less(&self, other: &Self) -> Self {
         let beyond = other.shares.len() - 1;
         let mut shares = vec![0.0; self.shares.len() + beyond];

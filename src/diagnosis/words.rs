@@ -161,13 +161,13 @@ pub fn parameter(v: &Value) -> String {
     v.joint.map_or(v.name.clone(), |j| format!("{}, joint {j}", v.name))
 }
 
-/// Three digits.
+/// A number in three significant digits.
 fn short(x: f64) -> String {
     let digits = (2 - x.abs().max(1e-12).log10().floor() as i32).clamp(0, 6);
     format!("{x:.*}", digits as usize)
 }
 
-/// Where most of the gap lies.
+/// The joint where most of the gap lies, in words.
 fn worst(d: &Diagnosis) -> String {
     let joints = d.gap.joints.iter();
     match joints.max_by(|a, b| a.share.total_cmp(&b.share)).filter(|j| j.share > 0.0) {

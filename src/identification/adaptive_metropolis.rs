@@ -21,7 +21,7 @@ pub struct Settings {
     pub chains: usize,
     /// Steps whose draws are not kept.
     pub warm_up: usize,
-    /// Kept per chain.
+    /// Draws that are kept per chain.
     pub draws: usize,
     /// Steps per kept draw.
     pub thinning: usize,

@@ -76,7 +76,7 @@ pub struct Prepared {
     pub problem: JointProblem,
     pub bounds: Bounds,
     pub cost: QuadraticCost,
-    /// For `cost`, s.
+    /// Time to prepare the problem and its `cost`, s.
     seconds: f64,
 }
 

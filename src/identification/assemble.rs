@@ -45,7 +45,7 @@ pub fn assemble(
     assemble_around(samples, twin, terms, bounds, &[])
 }
 
-/// The same where nonlinear parameters were `located` by a search: the twin has their values, and
+/// Builds the problems where nonlinear parameters were `located` by a search: the twin has their values, and
 /// they are fitted along from there.
 ///
 /// # Errors
@@ -191,7 +191,7 @@ fn known_torque(samples: &Samples, twin: &Twin, terms: &Terms) -> JointSeries {
     twin.torque(&twin.motion(samples))
 }
 
-/// The same zero-phase filter for every column, then the rows in use.
+/// One zero-phase filter for all columns, then the rows in use.
 pub(super) fn reduce(filter: Option<LowPass>, rows: &Rows) -> Reduce {
     let rows = rows.clone();
     Arc::new(move |mut columns| {
@@ -340,7 +340,7 @@ impl Assembly<'_> {
         mechanism.transmission
     }
 
-    /// As located, or else as known or fitted before.
+    /// Values as located, or else as known or fitted before.
     fn values_at(&self, effect: &dyn Effect, joint: usize) -> Option<Vec<f64>> {
         match self.located(effect, joint) {
             Some(l) => Some([&l.linear[..], &l.nonlinear].concat()),

@@ -28,21 +28,21 @@ use crate::twin::Twin;
 #[derive(Debug, Clone)]
 pub struct Inertial {
     pub base: BaseParameters,
-    /// Of the base parameters: the model's values, and how large each could be.
+    /// Values of the base parameters in the model, and how large each could be.
     pub model: DVector<f64>,
     pub sizes: DVector<f64>,
     /// Where they begin among the shared parameters.
     first: usize,
 }
 
-/// They are searched within this many times the size that the model's links could have.
+/// Base parameters are searched within this many times the size that the model's links could have.
 const RANGE: f64 = 10.0;
 
 /// Torque is known to no better than this share of itself: a simulation without noise says no more.
 const LEAST_NOISE: f64 = 1e-4;
 
 impl Inertial {
-    /// Of a twin whose rotor inertias are fitted along where `terms` say so.
+    /// Base parameters of a twin whose rotor inertias are fitted along where `terms` say so.
     pub fn of(twin: &Twin, terms: &Terms) -> Self {
         let base = BaseParameters::of(&twin.robot, terms.contains("rotor_inertia"));
         let model = base.values(&parameters::of(&twin.robot));

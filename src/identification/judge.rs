@@ -19,7 +19,7 @@ use crate::statistics::{
     Inference, Inferences, StatisticsError, infer, normal_quantile, normal_two_sided,
 };
 
-/// Of all intervals and tests: the paper's 99 %.
+/// Confidence level of all intervals and tests: the paper's 99 %.
 pub const LEVEL: f64 = 0.99;
 /// Slow samples a Stribeck curve must rest on.
 const FEWEST_SLOW: usize = 20;

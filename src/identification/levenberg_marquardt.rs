@@ -30,9 +30,9 @@ pub trait Residuals {
 pub struct Settings {
     /// Relative reduction of the sum of squares, measured and predicted, below which to stop.
     pub cost_tolerance: f64,
-    /// Relative step.
+    /// Relative step below which to stop.
     pub step_tolerance: f64,
-    /// Cosine between residual and any column of the Jacobian.
+    /// Cosine between residual and any column of the Jacobian below which to stop.
     pub gradient_tolerance: f64,
     pub max_evaluations: usize,
 }
@@ -73,13 +73,13 @@ pub struct Outcome {
     pub x: Vec<f64>,
     /// |r|^2
     pub sum_of_squares: f64,
-    /// Of the residual; a Jacobian counts as one, by differences as one per parameter.
+    /// Evaluations of the residual; a Jacobian counts as one, by differences as one per parameter.
     pub evaluations: usize,
     pub iterations: usize,
     pub stop: Stop,
 }
 
-/// From `start` (moved into the box if need be) downhill.
+/// Minimises from `start` (moved into the box if need be) downhill.
 pub fn minimise(
     problem: &impl Residuals,
     start: &[f64],

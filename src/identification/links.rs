@@ -16,7 +16,7 @@ use crate::twin::Twin;
 /// The recordings, and what links are fitted beside.
 #[derive(Clone, Copy)]
 pub struct LinkFit<'a> {
-    /// With the model's links, and nonlinear parameters as `located`.
+    /// The twin with the model's links, and nonlinear parameters as `located`.
     pub twin: &'a Twin,
     pub terms: &'a Terms,
     pub located: &'a [Located],
@@ -42,7 +42,7 @@ pub struct RigidBody {
     pub twin: Twin,
     /// The fit recording's problem beside these links.
     pub problem: ArmProblem,
-    /// By least squares beside the model's links, and beside those found.
+    /// Results of least squares beside the model's links, and beside those found.
     pub given: MethodResult,
     pub fitted: MethodResult,
 }

@@ -20,7 +20,7 @@ use crate::twin::Twin;
 
 /// Relative step of the difference that stands for a derivative.
 const STEP: f64 = 3e-4;
-/// The same where columns follow a reference: those of a slack joint jump with the blow that sends a
+/// Relative step where columns follow a reference: those of a slack joint jump with the blow that sends a
 /// link back, and what they do over a small step says nothing of what they do over a wide one.
 const WIDE_STEP: f64 = 0.2;
 /// A parameter is taken for no smaller.
@@ -38,7 +38,7 @@ const RANGE: f64 = 3.0;
 #[derive(Clone)]
 pub struct Located {
     pub effect: &'static dyn Effect,
-    /// From 0; 0 for an effect of the whole arm.
+    /// Joint from 0; 0 for an effect of the whole arm.
     pub joint: usize,
     pub linear: Vec<f64>,
     pub nonlinear: Vec<f64>,

@@ -108,7 +108,7 @@ pub struct ParameterEstimate {
     /// False where these data do not determine the parameter; then `why_not` says what is missing.
     pub identifiable: bool,
     pub why_not: Option<String>,
-    /// Of `mcmc`: then `value` is its mean, `low` and `high` its 99 % interval.
+    /// Posterior by `mcmc`: then `value` is its mean, `low` and `high` its 99 % interval.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<Posterior>,
 }

@@ -34,16 +34,16 @@ const ROUNDS: usize = 2;
 /// Chains that have not converged are made anew, longer by this factor, so many times.
 const EXTENSION: usize = 4;
 const EXTENSIONS: usize = 2;
-/// Of the starts, in standard deviations.
+/// Scatter of the starts, in standard deviations.
 const SCATTER: f64 = 3.0;
 
-/// Of one parameter.
+/// Posterior of one parameter.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Posterior {
     pub mean: f64,
     pub median: f64,
     pub standard_deviation: f64,
-    /// Between them lie 99 % of the draws, with equal tails.
+    /// Ends of the interval that holds 99 % of the draws, with equal tails.
     pub low: f64,
     pub high: f64,
     #[serde(flatten)]
@@ -56,7 +56,7 @@ pub struct Sampled {
     /// Posterior mean; the best fit where there are too few samples to draw from.
     pub x: Vec<f64>,
     pub evaluations: usize,
-    /// By name, chain by chain; with a curve also `stribeck_excess`.
+    /// Draws by name, chain by chain; with a curve also `stribeck_excess`.
     draws: Vec<(String, Vec<Vec<f64>>)>,
 }
 
@@ -129,14 +129,14 @@ impl Target<'_> {
         ln_volume - half_n * self.cost.sum_of_squares(&x).max(f64::MIN_POSITIVE).ln()
     }
 
-    /// Of Stribeck velocities.
+    /// Range of Stribeck velocities, rad/s.
     fn range(&self) -> Option<(f64, f64)> {
         self.problem.curve.as_ref().map(|c| (c.velocity.lower, c.velocity.upper))
     }
 
-    /// One per chain, wider apart than the posterior: over the whole range of Stribeck velocities,
-    /// each with the other parameters that fit best there, moved by a few of their standard
-    /// deviations as far as the bounds allow.
+    /// One start per chain, wider apart than the posterior: over the whole range of Stribeck velocities, each
+    /// with the other parameters that fit best there, moved by a few of their standard deviations as far as
+    /// the bounds allow.
     fn starts(&self, chains: usize, seed: u64) -> Vec<Vec<f64>> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(u64::MAX);

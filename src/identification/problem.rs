@@ -40,7 +40,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// Of a parameter that enters linearly.
+    /// Column of a parameter that enters linearly.
     pub fn linear(parameter: Parameter, values: Vec<f64>) -> Self {
         Self { parameter, values, slope_of: Arc::default(), centre: 0.0 }
     }
@@ -71,9 +71,9 @@ pub struct Curve {
 pub struct JointProblem {
     /// From 1 at the base.
     pub joint: usize,
-    /// Between neighbours in a run, s.
+    /// Time between neighbours in a run, s.
     pub dt: f64,
-    /// F(tau), N.m.
+    /// Measured torque F(tau), N.m.
     pub measured: Vec<f64>,
     /// What the rigid twin leaves unexplained of it, N.m.
     pub y: Vec<f64>,
@@ -86,12 +86,12 @@ pub struct JointProblem {
 }
 
 impl Curve {
-    /// F(s exp(-|w / w_s|^a)) at the kept samples.
+    /// Column F(s exp(-|w / w_s|^a)) at the kept samples.
     pub fn column(&self, velocity: f64) -> Vec<f64> {
         self.columns(&[velocity]).remove(0)
     }
 
-    /// The same for several w_s: filters run fastest on many columns.
+    /// Columns at several w_s: filters run fastest on many columns.
     pub fn columns(&self, velocities: &[f64]) -> Vec<Vec<f64>> {
         (self.reduce)(velocities.iter().map(|&v| self.raw(v)).collect())
     }
@@ -103,7 +103,7 @@ impl Curve {
         raw
     }
 
-    /// The column and F(s a |w / w_s|^a / w_s exp(-|w / w_s|^a)), its derivative with respect to w_s.
+    /// Column and F(s a |w / w_s|^a / w_s exp(-|w / w_s|^a)), its derivative with respect to w_s.
     fn with_derivative(&self, velocity: f64) -> [Vec<f64>; 2] {
         let raw = self.raw(velocity);
         let slope = self.exponent / velocity;

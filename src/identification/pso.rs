@@ -119,8 +119,8 @@ pub fn minimise(
     minimise_below(|x, _| cost(x), bounds, settings, seed)
 }
 
-/// The same for a cost that is told the particle's own best one so far, and may say anything
-/// from there up where it is not below: the swarm asks no more of it.
+/// Minimises a cost that is told the particle's own best one so far, and may say anything from there up where
+/// it is not below: the swarm asks no more of it.
 pub fn minimise_below(
     cost: impl Fn(&[f64], f64) -> f64 + Sync,
     bounds: &Bounds,

@@ -129,7 +129,7 @@ impl QuadraticCost {
         linear.iter().enumerate().all(|(i, &x)| self.bounds.clamp(i, x) == x)
     }
 
-    /// T_e = u / v, R b = Q'y - h T_e
+    /// Solution without bounds: T_e = u / v, R b = Q'y - h T_e
     fn unbounded(&self, f: Option<&[f64]>) -> Vec<f64> {
         let n = self.c.len();
         let mut b = self.c.as_slice().to_vec();
@@ -151,7 +151,7 @@ impl QuadraticCost {
         f[n + 1] > 1e-14 * in_others && f[n + 1] > 0.0
     }
 
-    /// The same in the box, in the paper's own parameters: T_c multiplies s - g, T_s multiplies g.
+    /// Solution in the box, in the paper's own parameters: T_c multiplies s - g, T_s multiplies g.
     fn bounded(&self, f: Option<&[f64]>) -> Vec<f64> {
         let n = self.c.len();
         let Some(f) = f else {

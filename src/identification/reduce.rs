@@ -27,7 +27,7 @@ pub struct Dropped {
     pub joint: usize,
     /// `stribeck`, or the parameter's name.
     pub term: String,
-    /// Of the robust test when it was dropped.
+    /// p-value of the robust test when the term was dropped.
     pub p: f64,
     /// Why, if not for its p alone.
     pub why: Option<String>,
@@ -137,7 +137,7 @@ fn stribeck_doubt(
     }
 }
 
-/// Without its Stribeck term a curve is plain Coulomb friction.
+/// Takes a term out; without its Stribeck term a curve is plain Coulomb friction.
 fn take_out(problem: &mut JointProblem, term: &str) {
     if term != STRIBECK {
         problem.columns.retain(|c| c.parameter.name != term);

@@ -16,7 +16,7 @@ use crate::regression::brent;
 pub struct Settings {
     /// Stribeck velocities tried, evenly in ln w_s.
     pub grid: usize,
-    /// To which a local minimum is refined, in ln w_s.
+    /// Tolerance to which a local minimum is refined, in ln w_s.
     pub tolerance: f64,
     pub refinement: lm::Settings,
 }

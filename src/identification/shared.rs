@@ -95,7 +95,7 @@ pub fn take_off(arm: &ArmProblem, phi: &[f64]) -> Vec<JointProblem> {
 }
 
 impl Found {
-    /// By least squares: what is shared, and every joint's own values beside it.
+    /// Values by least squares: what is shared, and every joint's own values beside it.
     ///
     /// # Errors
     /// If bounds are the wrong way round.

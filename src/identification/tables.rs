@@ -12,7 +12,7 @@ use super::chebyshev;
 const BLOCK: usize = 8;
 /// Terms of a series.
 const TERMS: usize = 14;
-/// Of a double's bits: sign, exponent and two bits of the mantissa remain.
+/// Bits of a double that are shifted out: sign, exponent and two bits of the mantissa remain.
 const SHIFT: u32 = 50;
 
 #[derive(Debug, Clone)]

@@ -15,7 +15,7 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// By catalogue name; `paper` is short for Eq. 1 and `offset` for `current_offset`. Where a
+    /// Terms by catalogue name; `paper` is short for Eq. 1 and `offset` for `current_offset`. Where a
     /// Stribeck curve is fitted, so is the Coulomb level it bends.
     ///
     /// # Errors

@@ -33,11 +33,11 @@ use crate::twin::Twin;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Load {
     pub mass_kg: f64,
-    /// In the flange's frame; found along where it is not known.
+    /// Centre of mass in the flange's frame, m; found along where it is not known.
     pub centre_m: Option<[f64; 3]>,
 }
 
-/// Of one joint's drive: true torque per ampere over the twin's.
+/// Gain of one joint's drive: true torque per ampere over the twin's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gain {
     /// From 1 at the base.
@@ -56,7 +56,7 @@ pub struct Gain {
 pub struct TorqueScale {
     pub joints: Vec<Gain>,
     pub load: Load,
-    /// As given, or as found.
+    /// Centre of mass of the load as given, or as found, m.
     pub centre_m: [f64; 3],
     pub rounds: usize,
     /// How far links are from the model's, as a share of a mass, that the data call for.
@@ -112,7 +112,7 @@ struct Scale<'a> {
 
 struct State {
     rounds: usize,
-    /// Of links, once it has been found: it moves in steps, which rounds could go to and fro between.
+    /// Spread of links, once it has been found: it moves in steps, which rounds could go to and fro between.
     spread: Option<f64>,
     gains: Vec<f64>,
     robot: Robot,

@@ -31,7 +31,7 @@ pub enum StudyError {
     /// A file or folder: what is wrong with it and what to do.
     #[error("{file}: {problem}")]
     File { file: String, problem: String },
-    /// In memory alone.
+    /// A problem of a table in memory, with no file.
     #[error("{0}")]
     Table(String),
 }

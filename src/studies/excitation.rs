@@ -9,9 +9,9 @@ use crate::twin::Twin;
 /// One goal, designed for with several seeds.
 #[derive(Debug, Serialize)]
 pub struct Measured {
-    /// As it was asked for.
+    /// The goal as it was asked for.
     pub goal: String,
-    /// One per seed.
+    /// One report per seed.
     pub reports: Vec<Report>,
 }
 
@@ -37,7 +37,7 @@ pub fn measure(
     Ok(Measured { goal: goal.into(), reports })
 }
 
-/// Of one goal, in Markdown.
+/// Page of one goal, in Markdown.
 pub fn page(measured: &Measured) -> String {
     let reports = &measured.reports;
     let Some(first) = reports.first() else { return String::new() };
@@ -102,7 +102,7 @@ fn row(reports: &[Report], group: usize) -> Vec<String> {
     ]
 }
 
-/// Least, median, most.
+/// Least, median and largest value; `None` where there are none.
 fn spread(mut values: Vec<f64>) -> Option<[f64; 3]> {
     values.sort_by(f64::total_cmp);
     Some([*values.first()?, values[values.len() / 2], *values.last()?])

@@ -40,7 +40,7 @@ pub struct Trial {
     /// Base parameters that the recording tells, and how many of their intervals hold the truth.
     pub told: usize,
     pub held: usize,
-    /// Of all base parameters.
+    /// Number of all base parameters.
     pub rank: usize,
     /// Root mean square over all joints of what is left on the second motion, each joint relative to
     /// what the exact model leaves there: the wrong model, least squares, the links found.
@@ -135,19 +135,19 @@ fn of_model(
     })
 }
 
-/// Friction, rotors and offsets of each recording.
+/// Problems of friction, rotors and offsets, one per recording.
 fn problems(twin: &Twin, samples: &[Samples; 2]) -> Result<[ArmProblem; 2], StudyError> {
     let problem = |s: &Samples| assemble(s, twin, &Terms::usual()?, &BoundsByName::new());
     Ok([problem(&samples[0])?, problem(&samples[1])?])
 }
 
-/// Fitted to the first recording and held against the second.
+/// Least squares fitted to the first recording and held against the second.
 fn least_squares(arms: &[ArmProblem; 2]) -> Result<MethodResult, StudyError> {
     let settings = Settings { methods: vec![Method::Nlse], ..Settings::default() };
     Ok(identify(&arms[0], Some(&arms[1]), &settings)?.remove(0))
 }
 
-/// Of every joint on the second recording, N.m.
+/// Root mean square residual of every joint on the second recording, N.m.
 fn left(result: &MethodResult) -> Vec<f64> {
     let of = |g: &crate::identification::Goodness| g.mse_nm2.sqrt();
     result.joints.iter().map(|j| j.check.as_ref().map_or(f64::NAN, of)).collect()
@@ -158,7 +158,7 @@ fn relative(left: &[f64], exact: &[f64]) -> f64 {
     (squares.sum::<f64>() / exact.len() as f64).sqrt()
 }
 
-/// Of all seeds with one kind of model.
+/// Summary of all seeds with one kind of model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     pub wrong: Wrong,
@@ -168,7 +168,7 @@ pub struct Summary {
     pub told: f64,
     /// Share of their intervals that hold the truth.
     pub coverage: f64,
-    /// Median and largest.
+    /// Median and largest relative residual over the trials: the wrong model, least squares, the links found.
     pub model: [f64; 2],
     pub least_squares: [f64; 2],
     pub links: [f64; 2],

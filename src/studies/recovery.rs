@@ -135,7 +135,7 @@ pub struct Summary {
     pub robust: f64,
     pub asymptotic: f64,
     pub paper: f64,
-    /// Of |relative error|, where the truth is not zero.
+    /// Median of |relative error|, where the truth is not zero.
     pub median_error: Option<f64>,
     /// Shares with a relative error of at most 5 % and at most 20 %.
     pub within: Option<[f64; 2]>,

@@ -44,7 +44,7 @@ impl Answer {
         whole.then_some(answer)
     }
 
-    /// The same, if these criteria decided it.
+    /// The kept answer, if these criteria decided it.
     pub fn kept_by(file: &Path, folder: &Path, criteria: &Criteria) -> Option<Self> {
         Self::kept(file, folder).filter(|answer| answer.settings.criteria == *criteria)
     }
@@ -66,7 +66,7 @@ pub struct Opened {
     inputs: BTreeMap<String, String>,
     twin: Twin,
     conditioning: Conditioning,
-    /// To fit, to check.
+    /// Samples to fit and samples to check.
     samples: [Samples; 2],
     baselines: Vec<BaselineAnswer>,
 }
@@ -85,7 +85,7 @@ impl Opened {
         Ok(Self { inputs: inputs(folder)?, case, twin, conditioning, samples, baselines })
     }
 
-    /// By other criteria than the case's own, maybe.
+    /// The answer by these criteria, which may be other than the case's own.
     pub fn answer(&self, criteria: Criteria) -> Answer {
         let settings = Settings { criteria, ..self.case.settings.clone() };
         let diagnosis = diagnose(&self.twin, &self.samples[0], &self.samples[1], &settings);

@@ -12,8 +12,8 @@ use crate::twin::{DriveTable, PerJoint};
 /// Reflected rotor inertia of big joints and wrists, known to the twin, kg.m2.
 const ROTOR_INERTIA: [f64; 6] = [1.1, 1.1, 1.1, 0.14, 0.14, 0.14];
 
-/// Of the simulation, s: three steps per period of the controller. What a row of a recording is off
-/// its law at this step is below 1 % of the noise (docs/accuracy.md).
+/// Step of the simulation, s: three steps per period of the controller. What a row of a recording is off its
+/// law at this step is below 1 % of the noise (docs/accuracy.md).
 const STEP_S: f64 = 1.0 / 1500.0;
 
 /// Rest at the start, s.

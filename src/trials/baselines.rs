@@ -163,7 +163,7 @@ impl<'a> Residual<'a> {
     }
 }
 
-/// By the rules of [`Method::ALL`]; `None` where the columns say nothing.
+/// Scores by the rules of [`Method::ALL`]; `None` where the columns say nothing.
 fn scores(
     fit: &Residual<'_>,
     check: &Residual<'_>,

@@ -17,7 +17,7 @@ const PREFIX: &str = "case-";
 /// A case as the answerer gets it.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// Of the folder, `case-0000`.
+    /// Name of the folder, `case-0000`.
     pub name: String,
     pub folder: PathBuf,
     /// What the answerer is told: effects taken out of the catalogue, how well masses are known.

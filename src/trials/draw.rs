@@ -29,7 +29,7 @@ pub struct Draw {
     pub only: Vec<String>,
     /// Link masses and centres off, coloured noise, skewed channels.
     pub nuisance: bool,
-    /// Of the fit and the check recording, s.
+    /// Length of the fit and of the check recording, s.
     pub duration_s: f64,
     /// What the answerer is told.
     pub settings: Settings,

@@ -10,7 +10,7 @@ use crate::robot::{flange_placement, point_jacobian};
 pub static FOREIGN: &[&dyn Effect] =
     &[&SwingingLoad, &Hum, &Seizing, &Rubbing, &WanderingGain, &TwistedHose];
 
-/// By the name in its `about`.
+/// The effect by the name in its `about`.
 pub fn find(name: &str) -> Option<&'static dyn Effect> {
     FOREIGN.iter().copied().find(|e| e.about().name == name)
 }

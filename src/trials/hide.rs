@@ -34,7 +34,7 @@ pub struct Effect {
     shape: Shape,
     size: f64,
     pub injection: Injection,
-    /// Planned, then measured.
+    /// Strength as planned, then as measured.
     pub strength: Strength,
 }
 
@@ -330,7 +330,7 @@ impl Hiding {
         changed
     }
 
-    /// As the sensors would show it without noise, N.m.
+    /// Torque as the sensors would show it without noise, N.m.
     fn torque(&self, run: &Run) -> JointSeries {
         let drive = &self.made.setup.drive;
         let ampere = |j: usize| drive.torque_per_ampere(j);

@@ -15,7 +15,7 @@ use crate::simulation::{Injection, Run, Setup};
 pub const MASS_ERROR: f64 = 0.05;
 pub const CENTRE_ERROR_M: f64 = 0.005;
 
-/// Of the noise's power, what is coloured, and how it is correlated from sample to sample.
+/// Share of the noise's power that is coloured, and its correlation from sample to sample.
 const COLOURED: f64 = 0.5;
 const POLE: f64 = 0.9;
 
@@ -27,7 +27,7 @@ const SKEW_S: f64 = 0.001;
 pub struct Nuisance {
     /// [dm, d(m cx), d(m cy), d(m cz)] of every link, kg and kg.m.
     pub links: Vec<Vec<f64>>,
-    /// By how much the current is recorded late, s.
+    /// Delay by which the current is recorded late, s.
     pub skew_s: f64,
 }
 
@@ -49,7 +49,7 @@ impl Nuisance {
         Self { links, skew_s: rng.random_range(-SKEW_S..SKEW_S) }
     }
 
-    /// The links as they are.
+    /// The errors of the link masses and centres, to be put into the arm.
     pub fn injection(&self) -> Option<Injection> {
         let effect = effects::find("link_inertia")?;
         let joints = (0..self.links.len()).collect();

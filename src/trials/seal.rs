@@ -26,7 +26,7 @@ pub struct Seals {
     pub sha256: BTreeMap<String, String>,
 }
 
-/// Hexadecimal.
+/// SHA-256, hexadecimal.
 pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
@@ -83,7 +83,7 @@ impl Seals {
         serde_json::from_slice(&read(&file)?).map_err(|e| TrialError::file(&file, e))
     }
 
-    /// How many there are.
+    /// Number of sealed cases.
     pub fn cases(&self) -> usize {
         self.sha256.keys().filter(|name| name.ends_with(".json")).count()
     }

@@ -41,7 +41,7 @@ pub enum Size {
 }
 
 impl Shape {
-    /// With its strength set to `x` (a factor or the knob's value) as far as the limits allow.
+    /// The injection with its strength set to `x` (a factor or the knob's value) as far as the limits allow.
     pub fn sized(&self, x: f64) -> Injection {
         let mut injection = self.injection.clone();
         for row in &mut injection.values {
@@ -107,13 +107,13 @@ fn sign(rng: &mut ChaCha8Rng) -> f64 {
     if rng.random_bool(0.5) { 1.0 } else { -1.0 }
 }
 
-/// Uniform in the logarithm.
+/// A random number between `low` and `high`, uniform in the logarithm.
 fn ratio(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
     (rng.random_range(low.ln()..high.ln())).exp()
 }
 
-/// Of Coulomb friction: what static friction exceeds it by, at most. With more a joint sticks and
-/// slips all the time, and slow motion is none any more.
+/// Largest excess of static friction, as a multiple of Coulomb friction. With more a joint sticks and slips
+/// all the time, and slow motion is none any more.
 const MOST_EXCESS: f64 = 2.0;
 
 fn factor(parameters: &[usize], limit: f64) -> Size {

@@ -27,15 +27,15 @@ pub enum Kind {
     Untouched,
     /// One effect of the catalogue on top of recordings of somebody's arm.
     Grafted,
-    /// The same with an effect no catalogue entry describes.
+    /// An effect no catalogue entry describes, on top of recordings of somebody's arm.
     GraftedForeign,
 }
 
 impl Kind {
-    /// Of cases that are simulated.
+    /// Kinds of cases that are simulated.
     pub const SIMULATED: [Self; 6] =
         [Self::Clean, Self::Single, Self::Pair, Self::Withheld, Self::Foreign, Self::Unseen];
-    /// Of cases on somebody's own recordings.
+    /// Kinds of cases on somebody's own recordings.
     pub const ON_RECORDINGS: [Self; 3] = [Self::Untouched, Self::Grafted, Self::GraftedForeign];
 
     pub fn name(self) -> &'static str {
@@ -60,7 +60,7 @@ pub struct Truth {
     pub armtwin: String,
     pub case: String,
     pub kind: Kind,
-    /// Beyond what the twin knows of.
+    /// Effects beyond what the twin knows of.
     pub effects: Vec<Hidden>,
     /// `standard` (exact link masses, white noise), `nuisance` or `recordings`, or where the case
     /// came from.
@@ -82,7 +82,7 @@ pub struct Truth {
 /// An effect the twin lacks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Hidden {
-    /// Of the catalogue, or the foreign effect's name.
+    /// Name in the catalogue, or the foreign effect's own.
     pub effect: String,
     /// From 1 at the base; empty: the whole arm.
     pub joints: Vec<usize>,
@@ -92,9 +92,9 @@ pub struct Hidden {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrueValue {
-    /// By the catalogue.
+    /// Name in the catalogue.
     pub name: String,
-    /// One per entry of `joints`, one in all for the whole arm.
+    /// One value per entry of `joints`, one in all for the whole arm.
     pub values: Vec<f64>,
 }
 
@@ -110,7 +110,7 @@ pub struct Strength {
 }
 
 impl Strength {
-    /// At the joint where the gap is largest; 0 where nothing is known.
+    /// Gap at the joint where it is largest; 0 where nothing is known.
     pub fn reached(&self) -> f64 {
         self.gap.iter().fold(0.0, |most, g| most.max(*g))
     }
@@ -134,7 +134,7 @@ pub fn seen(effect: &str) -> bool {
     effects::find(effect).is_none_or(|e| e.seen() != Seen::Simulation)
 }
 
-/// The same place written one way: every joint of an arm of `dof` is the whole arm.
+/// A place written in one way: every joint of an arm of `dof` is the whole arm.
 pub fn place(joints: &[usize], dof: usize) -> Vec<usize> {
     let mut joints: Vec<usize> = joints.iter().copied().filter(|j| *j > 0).collect();
     joints.sort_unstable();

@@ -27,9 +27,9 @@ use experiment::Bench;
 pub struct Settings {
     /// Sensor noise drawn per strength.
     pub seeds: u64,
-    /// Of both recordings, s.
+    /// Length of each of the two recordings, s.
     pub duration_s: f64,
-    /// Of the current noise, dB.
+    /// Signal-to-noise ratio of the current, dB.
     pub snr_db: f64,
     /// Share of the seeds in which a detectable effect beats its null.
     pub share: f64,
@@ -61,7 +61,7 @@ pub struct Detectability {
     pub of: Made,
     /// Smallest strength that is told from nothing; `None` where none up to the strongest is.
     pub detectable: Option<Strength>,
-    /// At the scenario's own values.
+    /// Quality at the scenario's own values.
     pub typical: Option<Quality>,
     /// Wall clock per simulated second, ms: the fastest of the runs.
     pub cost_ms: f64,
@@ -89,13 +89,13 @@ impl Made {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Strength {
-    /// Of the scenario's values.
+    /// Multiple of the scenario's values.
     pub factor: f64,
     /// Largest value of the first linear parameter over the joints, in `unit`.
     pub value: f64,
     pub parameter: String,
     pub unit: String,
-    /// Of the effect's torque over that of the noise, at the joint where it is largest.
+    /// Root mean square of the effect's torque over that of the noise, at the joint where it is largest.
     pub rms_over_noise: f64,
 }
 
@@ -105,7 +105,7 @@ pub struct Quality {
     pub parameter_error: f64,
     /// Chi-square per sample that is left on the second recording; 1 is noise.
     pub left: f64,
-    /// And without the effect.
+    /// Chi-square per sample without the effect.
     pub left_without: f64,
 }
 
@@ -226,7 +226,7 @@ impl Study<'_> {
     }
 }
 
-/// 0 of none.
+/// Median; 0 where there are no values.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut all: Vec<f64> = values.collect();
     all.sort_by(f64::total_cmp);

@@ -22,7 +22,7 @@ pub(super) struct Known {
 /// One recording as a regression: all joints below each other, in units of the noise.
 pub(super) struct Side {
     y: DVector<f64>,
-    /// Of what is fitted anyway, then of the effect.
+    /// Columns of what is fitted anyway, then of the effect.
     columns: DMatrix<f64>,
     fitted: usize,
     /// True values of the effect's columns.
@@ -121,7 +121,7 @@ impl Known {
         }
     }
 
-    /// By how much the model's torque is off where one joint's channels are not corrected, N.m.
+    /// Error of the model's torque where one joint's channels are not corrected, N.m.
     fn shown(
         &self,
         injection: &Injection,
@@ -160,7 +160,7 @@ fn add(sum: &mut JointSeries, value: f64, column: &JointSeries) {
     }
 }
 
-/// The same effect, next to nothing of it.
+/// The effect with its linear values faded to next to nothing.
 fn faded(injection: &Injection) -> Injection {
     let effect = injection.effect;
     let linear = effect.about().parameters.iter().filter(|p| p.role == Role::Linear).count();

@@ -16,14 +16,14 @@ pub struct Part {
     pub spent: Spent,
 }
 
-/// Of one cell; depends on the machine.
+/// Time and memory spent on one cell; they depend on the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Spent {
     /// Processor time for the cell's own work (wall clock where the system does not tell), s.
     pub seconds: f64,
-    /// For the motion it shares with others of its block, if it was the first to need it, s.
+    /// Time for the motion it shares with others of its block, if it was the first to need it, s.
     pub simulating_seconds: f64,
-    /// Length of that motion and steps of the arm in it.
+    /// Length of that motion, s, and steps of the arm in it.
     pub simulated_seconds: f64,
     pub steps: u64,
     /// Largest resident set of a process that ran this cell alone; 0: not measured.

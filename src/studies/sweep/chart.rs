@@ -93,7 +93,7 @@ fn text(scale: Scale, x: f64, none: f64) -> String {
     }
 }
 
-/// To two significant digits.
+/// A number rounded to two significant digits.
 fn rounded(x: f64) -> f64 {
     let unit = 10f64.powf(x.abs().log10().floor() - 1.0);
     (x / unit).round() * unit
@@ -169,7 +169,7 @@ fn ranges(panel: &Panel) -> [std::ops::Range<f64>; 2] {
     [range(points.iter().map(|p| p.0), 0.03), y]
 }
 
-/// From least to greatest, `more` of the span added at both ends.
+/// Range from the least to the greatest value, `more` of the span added at both ends.
 fn range(values: impl Iterator<Item = f64>, more: f64) -> std::ops::Range<f64> {
     let ends = |(a, b): (f64, f64), v: f64| (a.min(v), b.max(v));
     let (low, high) =

@@ -14,7 +14,7 @@ use crate::studies::StudyError;
 pub struct Work {
     /// Rows of the recording.
     pub samples: usize,
-    /// Of them and of all joints, what was fitted.
+    /// Rows that were fitted, summed over all joints.
     pub fitted: usize,
     /// Cost function evaluations, all joints.
     pub evaluations: usize,

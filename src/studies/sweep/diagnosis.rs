@@ -17,11 +17,11 @@ pub struct Named {
     pub causes: String,
     /// The first cause, or what it says would look the same, is the hidden effect.
     pub right: bool,
-    /// And at one of its joints.
+    /// The hidden effect is named at one of its joints.
     pub place: bool,
     /// Something is named that is neither there nor said to look like what is there.
     pub wrong: bool,
-    /// Of the hidden effect in the ranking, wherever.
+    /// Probability of the hidden effect in the ranking, at whatever place.
     pub probability: f64,
     pub unknown: f64,
     /// Largest gap of a joint over its noise floor.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::motion::Kind;
 
-/// Of the current (arm) or of all channels (motor), dB.
+/// Signal-to-noise ratio of the current (arm) or of all channels (motor), dB.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Snr {
@@ -54,7 +54,7 @@ pub enum Method {
     Nlse,
     Mcmc,
     Diagnosis,
-    /// Of a cost study: the motion alone.
+    /// The motion alone, in a cost study.
     Simulation,
 }
 
@@ -77,28 +77,28 @@ pub struct Grid {
     pub system: System,
     /// Names of `[arm.effects]` tables, or "none".
     pub effect: Vec<String>,
-    /// Times the effect's values.
+    /// Multiples of the effect's values.
     pub strength: Vec<f64>,
     pub trajectory: Vec<Kind>,
     pub duration_s: Vec<f64>,
     pub rate_hz: Vec<f64>,
-    /// The innermost so many.
+    /// Numbers of joints that are fitted, counted from the base.
     pub joints: Vec<usize>,
-    /// So many of the study's `terms`, in their order.
+    /// Numbers of the study's `terms` that are taken, in their order.
     pub terms: Vec<usize>,
     pub seed: Vec<u64>,
-    /// Times the steps of `[arm.quantisation]`; 0 rounds nothing.
+    /// Multiples of the steps of `[arm.quantisation]`; 0 rounds nothing.
     pub quantisation: Vec<f64>,
     pub snr_db: Vec<Snr>,
     pub method: Vec<Method>,
-    /// Of a swarm, per parameter.
+    /// Particles of a swarm, per parameter.
     pub particles: Vec<usize>,
 }
 
 /// One point of a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// From 0, through all grids.
+    /// Number of the cell, from 0 through all grids.
     pub number: usize,
     pub system: System,
     pub effect: Option<String>,

@@ -92,7 +92,7 @@ impl Panel {
         points.iter().map(place).collect()
     }
 
-    /// Around the band of a line: there along its low edge, back along the high one.
+    /// Outline of a line's band: there along its low edge, back along the high one.
     pub fn outline(&self, line: &Line) -> Vec<(f64, f64)> {
         let low = line.band.iter().map(|b| (b.0, b.1));
         let high = line.band.iter().rev().map(|b| (b.0, b.2));

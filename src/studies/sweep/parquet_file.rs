@@ -36,7 +36,7 @@ pub fn write(path: &Path, table: &Table, notes: &[(&str, String)]) -> Result<(),
     write_whole(path, |out| out.write_all(&bytes)).map_err(StudyError::io(path, "written"))
 }
 
-/// The same in a folder whose owner knows what lies there.
+/// Writes a table as [`write`] does, into a folder whose owner knows what lies there.
 ///
 /// # Errors
 /// As [`write`].

@@ -19,9 +19,9 @@ pub type Alone<'a> = &'a (dyn Fn(usize) -> Result<(), StudyError> + Sync);
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct Ran {
     pub cells: usize,
-    /// Wall clock.
+    /// Wall clock, s.
     pub seconds: f64,
-    /// Of motion, and how many steps of the arm that was.
+    /// Length of the simulated motion, s, and how many steps of the arm that was.
     pub simulated_seconds: f64,
     pub steps: u64,
 }

@@ -22,7 +22,7 @@ impl Stopwatch {
     }
 }
 
-/// Of this thread since it began.
+/// Processor time of this thread since it began, s.
 fn processor_seconds() -> Option<f64> {
     let text = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;

@@ -28,7 +28,7 @@ const CELL: &str = "armtwin.cell";
 /// One of several shares of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// From 1.
+    /// Number of this share, from 1.
     pub number: usize,
     pub of: usize,
 }
@@ -79,7 +79,7 @@ impl Store {
         Ok(Self { dir: dir.into(), digest: study.digest(), _lock: Some(lock) })
     }
 
-    /// The same, beside others that work on other cells of the study.
+    /// The folder as [`Store::open`] gives it, beside others that work on other cells of the study.
     ///
     /// # Errors
     /// If it holds another study or cannot be made.
@@ -128,7 +128,7 @@ impl Store {
         }
     }
 
-    /// What the cell cost.
+    /// Time and memory that a finished cell took.
     ///
     /// # Errors
     /// If it is not there or damaged.
@@ -251,7 +251,7 @@ fn read(path: &Path, number: usize, digest: &str) -> Result<Part, StudyError> {
     Ok(Part { table, spent })
 }
 
-/// In the order of the cells; the same parts make the same bytes.
+/// Joins the parts in the order of the cells; the same parts make the same bytes.
 fn join(
     out: &Path,
     digest: &str,

@@ -53,10 +53,10 @@ pub struct Study {
     /// A scenario, as `armtwin motor` takes it.
     #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
     pub motor: toml::Table,
-    /// Of the swarm on the arm; the motor's is in its scenario.
+    /// Settings of the swarm on the arm; the motor's are in its scenario.
     #[serde(default)]
     pub pso: pso::Settings,
-    /// Of the Markov chains.
+    /// Settings of the Markov chains.
     #[serde(default)]
     pub mcmc: adaptive_metropolis::Settings,
     #[serde(default)]
@@ -190,14 +190,14 @@ impl Study {
         blocks
     }
 
-    /// Of everything that results depend on: settings and version, not comments.
+    /// SHA-256 of everything that results depend on: settings and version, not comments.
     pub fn digest(&self) -> String {
         let all = serde_json::json!([env!("CARGO_PKG_VERSION"), self]);
         sha256(all.to_string().as_bytes())
     }
 }
 
-/// In the place of an effect: the arm as the twin knows it.
+/// Word in the place of an effect: the arm as the twin knows it.
 pub const NO_EFFECT: &str = "none";
 
 #[cfg(test)]

@@ -141,7 +141,7 @@ impl Table {
         self.names.iter().position(|n| n == name).map(|i| &self.columns[i])
     }
 
-    /// Empty for a column that is not there or no text.
+    /// Values of a column of texts; empty for one that is not there or no text.
     pub fn texts(&self, name: &str) -> &[String] {
         match self.column(name) {
             Some(Column::Text(all)) => all,
@@ -149,7 +149,7 @@ impl Table {
         }
     }
 
-    /// Of a column of numbers; empty for others.
+    /// Values of a column of numbers; empty for others.
     pub fn numbers(&self, name: &str) -> &[f64] {
         match self.column(name) {
             Some(Column::Number(all)) => all,

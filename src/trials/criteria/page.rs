@@ -55,7 +55,7 @@ fn cell(figure: &Figure, base: &Figure) -> String {
     }
 }
 
-/// Of a change that three decimals show.
+/// Smallest change that three decimals show.
 const SHOWN: f64 = 5e-4;
 
 fn largest(i: usize, base: &Row, rows: &[Row]) -> String {
@@ -78,7 +78,7 @@ fn most_moved(cases: usize, rows: &[Row]) -> String {
     format!("\nMost is changed by {all}: other causes in {most} of {cases} cases.\n")
 }
 
-/// Cases to look into.
+/// Table of the cases to look into.
 fn which(rows: &[Row]) -> String {
     let line = |row: &Row| {
         let (criterion, value) = said(row);

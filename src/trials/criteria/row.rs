@@ -25,7 +25,7 @@ impl Row {
     }
 }
 
-/// In whatever order they were named.
+/// Causes of an answer, in whatever order they were named.
 fn causes(judged: &Judged) -> BTreeSet<(&str, &[usize])> {
     judged.causes.iter().map(|n| (n.effect.as_str(), n.joints.as_slice())).collect()
 }

@@ -11,9 +11,9 @@ const DIRECTIONS: [(&str, f64); 2] = [("down", 2.0 / 3.0), ("up", 4.0 / 3.0)];
 /// Criteria that all cases are answered by.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variant {
-    /// Of its folder of answers: `base`, `least_nats-down`.
+    /// Name of its folder of answers: `base`, `least_nats-down`.
     pub name: String,
-    /// `None`: all as they are.
+    /// The criterion that is moved; `None`: all as they are.
     pub moved: Option<Moved>,
     pub criteria: Criteria,
 }

@@ -10,7 +10,7 @@ use crate::effects::{About, Effect, JointLoad, JointState, Scope};
 use crate::trials::foreign::{FOREIGN, about, parameter};
 use crate::trials::shapes;
 
-/// Those that are simulated too, and those for recordings alone.
+/// Foreign effects that are simulated too, and those for recordings alone.
 pub fn all() -> impl Iterator<Item = &'static dyn Effect> {
     FOREIGN.iter().copied().chain(ON_RECORDINGS)
 }

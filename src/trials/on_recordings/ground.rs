@@ -18,13 +18,13 @@ const FEWEST_ROWS: usize = 50;
 const LEAST_NM: f64 = 1e-6;
 
 pub struct Ground {
-    /// As it came.
+    /// The recording as it came.
     pub recording: Recording,
     pub samples: Samples,
-    /// With the loads the twin knows of.
+    /// The robot with the loads the twin knows of.
     robot: Robot,
     filter: Option<LowPass>,
-    /// Sliding and usable, of each joint.
+    /// Rows of each joint that are sliding and usable.
     rows: Vec<Rows>,
     /// Orthonormal columns of what the twin leaves open, at those rows.
     open: Vec<Vec<Vec<f64>>>,
@@ -65,7 +65,7 @@ impl Ground {
         Ok(ground)
     }
 
-    /// Along the recording. `known` is the recorded torque: what scales the drive's scales that.
+    /// Motion along the recording. `known` is the recorded torque: what scales the drive's scales that.
     pub fn motion(&self) -> Motion<'_> {
         let Samples { dt, start, q, qd, qdd, torque, temperature, conditioning, .. } =
             &self.samples;
@@ -130,7 +130,7 @@ impl Ground {
         self.each_moving(|j| rms(&self.taken(j, torque.joint(j))))
     }
 
-    /// The same of any signal, not low-passed.
+    /// Root mean square of any signal while sliding, not low-passed, one per joint.
     pub fn sliding(&self, signal: &JointSeries) -> Vec<f64> {
         self.each_moving(|j| rms(&self.rows[j].take(signal.joint(j))))
     }

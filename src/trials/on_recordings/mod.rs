@@ -38,7 +38,7 @@ use crate::twin::Twin;
 /// What to draw.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DrawOn {
-    /// With an effect grafted on; the untouched pairs come on top. `None`: every effect at every
+    /// Cases with an effect grafted on; the untouched pairs come on top. `None`: every effect at every
     /// strength once.
     pub cases: Option<usize>,
     pub seed: u64,

@@ -34,7 +34,7 @@ impl Plan {
         case_name(self.number)
     }
 
-    /// Of this case alone.
+    /// Random generator of this case alone.
     pub fn rng(&self, seed: u64) -> ChaCha8Rng {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(1 + self.number as u64);

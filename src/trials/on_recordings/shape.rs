@@ -10,7 +10,7 @@ use crate::effects::{self, Role, Seen};
 use crate::simulation::Injection;
 use crate::trials::shapes;
 
-/// Of the catalogue's range, how far a size may go: a value at the very end could not be told from one
+/// Share of the catalogue's range that a size may use: a value at the very end could not be told from one
 /// beyond it.
 const INTERIOR: f64 = 0.95;
 
@@ -19,7 +19,7 @@ pub struct Shape {
     pub injection: Injection,
     /// Parameters that grow together.
     scaled: Vec<usize>,
-    /// At which factor the first of them leaves its range.
+    /// Factor at which the first of them leaves its range.
     pub limit: f64,
 }
 

@@ -33,7 +33,7 @@ impl Graft {
 const TRIES: usize = 6;
 /// Effects tried in place of one that does not reach its strength.
 const OTHERS: usize = 12;
-/// Of the strength that is wanted: reached; enough to keep.
+/// Shares of the wanted strength: that counts as reached; that is enough to keep.
 const REACHED: f64 = 0.95;
 const ENOUGH: f64 = 0.5;
 

@@ -16,7 +16,7 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// One recording alone is cut in halves.
+    /// Reads the recordings; one alone is cut in halves.
     ///
     /// # Errors
     /// If a file cannot be read, or two hold the same samples.
@@ -55,7 +55,7 @@ impl Sources {
         self.recordings.iter().map(|r| Ground::new(r.clone(), twin, &how)).collect()
     }
 
-    /// As a diagnosis conditions them; where only some hold the command, all without it.
+    /// Conditioning as a diagnosis does it; where only some hold the command, all without it.
     fn conditioning(&self, dof: usize) -> Conditioning {
         let each = self.recordings.iter().map(|r| conditioning(r, dof));
         let alike = |a: Conditioning, b: Conditioning| match (

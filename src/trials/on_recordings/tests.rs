@@ -21,7 +21,7 @@ use crate::trials::{Kind, Seals, Truth};
 use crate::twin::Twin;
 
 const RATE_HZ: f64 = 100.0;
-/// Of the current, A.
+/// Standard deviation of the current's noise, A.
 const NOISE_A: f64 = 0.02;
 
 /// Angle of a joint and its derivatives at a time: three sines of the joint and the motion.
@@ -79,7 +79,7 @@ fn injection(name: &str, joints: &[usize], row: &[f64]) -> Injection {
     Injection { effect, joints: joints.into(), values: vec![row.to_vec(); joints.len()] }
 }
 
-/// By how much a channel of the first recording changes.
+/// Change of a channel of the first recording.
 fn changed(injection: &Injection, channel: &str) -> Vec<f64> {
     let ground = &grounds()[0];
     let grafted = graft::onto(ground, injection, &Twin::default().drive);

@@ -29,7 +29,7 @@ impl Planned<'_> {
         seal::write_truth(out, &self.truth(plan, graft))
     }
 
-    /// With the graft on it; somebody pushes while the first recording is made, not the second.
+    /// The recording with the graft on it; a push acts while the first recording is made, not the second.
     pub fn recording(&self, ground: &Ground, graft: Option<&Graft>, first: bool) -> Recording {
         match graft {
             Some(g) if first || g.effect().about().name != "external_contact" => {

@@ -17,7 +17,7 @@ pub struct Judged {
     pub case: String,
     pub kind: Kind,
     pub truth: Vec<Named>,
-    /// Of the weakest hidden effect: gap over noise, and its own torque over noise.
+    /// Strength of the weakest hidden effect: gap over noise, and its own torque over noise.
     pub strength: f64,
     pub own: f64,
     pub verdict: Option<Verdict>,
@@ -27,12 +27,12 @@ pub struct Judged {
     /// The first name is a hidden effect; with what the answer calls equivalent.
     pub top1: bool,
     pub top1_set: bool,
-    /// Of the first two names.
+    /// One of the first two names is a hidden effect; with what the answer calls equivalent.
     pub top2: bool,
     pub top2_set: bool,
     /// The first name's place is a hidden effect's.
     pub joint: bool,
-    /// The first cause and its equivalents; 0 without a cause.
+    /// Number of names: the first cause and its equivalents; 0 without a cause.
     pub set_size: usize,
     /// All hidden effects are among the causes, or their equivalents.
     pub all: bool,
@@ -51,8 +51,7 @@ pub struct Judged {
     /// Shrink of the mean square as printed: on the check recording, and above its noise floor.
     pub predicted: Option<f64>,
     pub reducible: Option<f64>,
-    /// The same of the noise-free torque of a third recording, with what the answer names, and
-    /// with the truth.
+    /// Shrink for the noise-free torque of a third recording, with what the answer names, and with the truth.
     pub realised: Option<f64>,
     pub oracle: Option<f64>,
     pub baselines: Vec<JudgedBaseline>,
@@ -60,7 +59,7 @@ pub struct Judged {
     pub printed: Vec<Printed>,
     /// Strength that was asked for.
     pub drawn: Option<f64>,
-    /// Of cases on somebody's own recordings: which, and the case with the same pair untouched.
+    /// Somebody's own recordings the case is made of, and the case with the same pair untouched.
     pub recordings: Vec<String>,
     pub base: Option<String>,
     /// Causes that are neither hidden nor named for the untouched pair, and whether what is hidden is

@@ -36,7 +36,7 @@ pub fn score(dir: &Path, answers: &Path) -> Result<Vec<Judged>, TrialError> {
     score_cases(dir, &case_folders(dir)?, answers)
 }
 
-/// The same of some of its cases.
+/// Holds the answers to some of the trial's cases against what was hidden.
 ///
 /// # Errors
 /// As [`score()`].

@@ -11,7 +11,7 @@ pub struct Chapter {
     pub cases: Vec<Judged>,
 }
 
-/// Markdown; `command` made it.
+/// The page in Markdown; `command` made it.
 pub fn page(command: &str, chapters: &[Chapter]) -> String {
     let head = include_str!("page.md")
         .replace("{command}", command)
@@ -57,7 +57,7 @@ fn chapter(chapter: &Chapter) -> String {
     text
 }
 
-/// Of simulated cases.
+/// Titles and tables of a trial of simulated cases.
 fn parts(all: &[Judged]) -> Vec<(&'static str, String)> {
     vec![
         ("By strength, single effects", tables::by_strength(all)),

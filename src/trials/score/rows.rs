@@ -45,17 +45,17 @@ pub fn of(all: &[Judged], kind: Kind) -> Vec<&Judged> {
     all.iter().filter(|j| j.kind == kind).collect()
 }
 
-/// Single effects at a strength of 1 and above.
+/// Cases with a single effect at a strength of 1 and above.
 pub fn plain(all: &[Judged]) -> Vec<&Judged> {
     of(all, Kind::Single).into_iter().filter(|j| strong(j)).collect()
 }
 
-/// Effects of the catalogue.
+/// Cases with one or two effects of the catalogue.
 fn catalogue(all: &[Judged]) -> Vec<&Judged> {
     all.iter().filter(|j| matches!(j.kind, Kind::Single | Kind::Pair)).collect()
 }
 
-/// Effects that the answerer has no name for, at a strength of 1 and above.
+/// Cases with an effect that the answerer has no name for, at a strength of 1 and above.
 fn outside(all: &[Judged]) -> Vec<&Judged> {
     let outside = |j: &&Judged| matches!(j.kind, Kind::Withheld | Kind::Foreign);
     all.iter().filter(outside).filter(|j| strong(j)).collect()
@@ -80,7 +80,7 @@ pub fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-/// Of those named within the set.
+/// Mean number of names in the set of the first cause, over cases with a cause.
 pub fn mean_set_size<'a>(cases: impl IntoIterator<Item = &'a Judged>) -> Option<f64> {
     mean(cases.into_iter().filter(|j| j.set_size > 0).map(|j| j.set_size as f64))
 }
@@ -91,7 +91,7 @@ pub fn brier<'a>(cases: impl IntoIterator<Item = &'a Judged>) -> Option<f64> {
     mean(cases.into_iter().filter(|j| j.verdict.is_some()).map(square))
 }
 
-/// Intervals of parameters that were named exactly.
+/// Share of the intervals that hold the truth, of parameters of effects named exactly.
 pub fn coverage(all: &[Judged]) -> Share {
     Share::count(all.iter().flat_map(|j| &j.parameters), JudgedParameter::covers)
 }

@@ -22,7 +22,7 @@ impl Share {
         })
     }
 
-    /// `None` of nothing.
+    /// Hits over cases; `None` where there are no cases.
     pub fn value(self) -> Option<f64> {
         (self.of > 0).then(|| self.hits as f64 / self.of as f64)
     }

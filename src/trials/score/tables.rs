@@ -25,7 +25,7 @@ pub fn goals_table(all: &[Judged]) -> String {
     markdown_table(&["figure", "found", "goal", "met"], 1, &rows)
 }
 
-/// Single effects of the catalogue.
+/// Table by strength of cases with a single effect of the catalogue.
 pub fn by_strength(all: &[Judged]) -> String {
     let row = |label: String, cases: &[&Judged]| {
         vec![

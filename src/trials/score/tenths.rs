@@ -12,7 +12,7 @@ const TOLERANCE: f64 = 0.05;
 /// Causes printed with a probability in one tenth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tenth {
-    /// Its lower edge.
+    /// Lower edge of the tenth.
     pub from: f64,
     pub mean: Option<f64>,
     pub true_ones: Share,

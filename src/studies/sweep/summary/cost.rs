@@ -14,10 +14,10 @@ use crate::studies::sweep::table::Table;
 const LONGER: &str = "samples (duration)";
 const FASTER: &str = "samples (rate)";
 
-/// By so much the last exponent differs where it is told.
+/// Excess of the last stretch's exponent over the whole's from which it is told.
 const STEEPER: f64 = 0.5;
 
-/// Of one cell.
+/// Cost of one cell.
 struct Cost {
     method: String,
     axis: BTreeMap<&'static str, f64>,
@@ -85,7 +85,7 @@ pub fn page(study: &Study, cells: &Table, timings: &Table) -> Page {
     Page { text, picture: figures[0].panels.first().cloned(), figures }
 }
 
-/// By cell.
+/// Costs by the number of the cell.
 fn costs(cells: &Table, timings: &Table) -> BTreeMap<usize, Cost> {
     let spent: BTreeMap<u64, usize> =
         timings.wholes("cell").iter().enumerate().map(|(i, cell)| (*cell, i)).collect();
@@ -195,7 +195,7 @@ fn told(exponent: f64) -> String {
     if exponent.is_nan() { "-".into() } else { format!("{exponent:.2}") }
 }
 
-/// One per axis and grid.
+/// One panel per axis and grid.
 fn panels(growths: &[Growth], up: &'static str, of: fn(&(f64, f64, f64)) -> f64) -> Vec<Panel> {
     let mut panels: Vec<(usize, Panel)> = Vec::new();
     for growth in growths {

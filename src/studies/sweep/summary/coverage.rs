@@ -50,7 +50,7 @@ fn given<'a>(part: &Part<'a>, method: &str) -> Vec<&'a Seen> {
     part.of(method).filter(|r| r.given).collect()
 }
 
-/// Those from which shares over all noises are made.
+/// Rows from which shares over all noises are made.
 fn counted<'a>(part: &Part<'a>, method: &str) -> Vec<&'a Seen> {
     given(part, method).into_iter().filter(|r| !r.noiseless()).collect()
 }

@@ -5,9 +5,9 @@ use super::seen::{Seen, in_order};
 use super::{decibel, listed, over_snr, percent, quantile};
 use crate::studies::sweep::panel::{Line, Panel, Scale};
 
-/// An estimate is of use within it.
+/// Relative error within which an estimate is of use.
 const USEFUL: f64 = 0.2;
-/// So many of ten estimates must be.
+/// Share of the estimates that must be within it.
 const MOST: f64 = 0.9;
 
 pub fn chapter(part: &Part<'_>) -> Chapter {
@@ -37,7 +37,7 @@ pub fn chapter(part: &Part<'_>) -> Chapter {
     }
 }
 
-/// Of the parameters that exist.
+/// Labels of the parameters that exist.
 fn labels<'a>(part: &Part<'a>) -> Vec<&'a str> {
     let exists = part.rows.iter().filter(|r| r.truth != 0.0 && !r.absent);
     in_order(exists.map(|r| r.label.as_str()))

@@ -8,9 +8,9 @@ use crate::studies::sweep::table::Table;
 /// One system's rows.
 pub struct Part<'a> {
     pub rows: Vec<&'a Seen>,
-    /// Beside them, where others are rounded: what no sensor rounded.
+    /// Rows that no sensor rounded, where the others are rounded.
     pub exact: Vec<&'a Seen>,
-    /// Rising; infinite is no noise.
+    /// Signal-to-noise ratios, rising, dB; infinite is no noise.
     pub snrs: Vec<f64>,
     pub methods: Vec<&'a str>,
 }
@@ -63,14 +63,14 @@ pub fn page(cells: &Table) -> Page {
 
 /// What one aspect comes to.
 pub struct Chapter {
-    /// Of the figure's file.
+    /// Name of the figure's file, before the system and the ending.
     pub name: &'static str,
     /// The conclusion, in words.
     pub says: String,
     /// Headline and tables.
     pub text: String,
     pub caption: String,
-    /// Of the figure, and how many stand side by side.
+    /// Panels of the figure, and how many stand side by side.
     pub panels: Vec<Panel>,
     pub columns: usize,
 }

@@ -23,7 +23,7 @@ pub struct Page {
     pub figures: Vec<Figure>,
 }
 
-/// Of the joined tables of a study whose cells are all there.
+/// Page of a finished study, from the joined tables of its cells.
 pub fn summarise(study: &Study, cells: &Table, timings: &Table) -> Page {
     let head = head(study, cells);
     let page = match study.question {
@@ -57,7 +57,7 @@ fn head(study: &Study, cells: &Table) -> String {
     )
 }
 
-/// `none` for no noise.
+/// A signal-to-noise ratio in words; `none` for no noise.
 fn decibel(db: f64) -> String {
     if db.is_infinite() { "none".into() } else { format!("{db} dB") }
 }
@@ -70,7 +70,7 @@ fn percent(share: f64) -> String {
     }
 }
 
-/// Rows by SNR in the columns.
+/// Markdown table of rows with one column per signal-to-noise ratio.
 fn over_snr(first: &str, snrs: &[f64], rows: &[Vec<String>]) -> String {
     let names: Vec<String> = snrs.iter().map(|db| decibel(*db)).collect();
     let header: Vec<&str> =
@@ -78,7 +78,7 @@ fn over_snr(first: &str, snrs: &[f64], rows: &[Vec<String>]) -> String {
     markdown_table(&header, 1, rows)
 }
 
-/// Different numbers, rising.
+/// The different values, rising, without NaN.
 fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut all: Vec<f64> = values.filter(|v| !v.is_nan()).collect();
     all.sort_by(f64::total_cmp);
@@ -86,7 +86,7 @@ fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
     all
 }
 
-/// Linear between order statistics; NaN of none.
+/// Quantile `p`, linear between order statistics; NaN of none.
 fn quantile(values: &[f64], p: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -102,7 +102,7 @@ fn down_to(snrs: &[f64], holds: impl Fn(f64) -> bool) -> Option<f64> {
     snrs.iter().rev().copied().take_while(|db| holds(*db)).last()
 }
 
-/// "a, b and c"
+/// Words as a list: "a, b and c".
 fn listed(words: &[String]) -> String {
     match words {
         [] => "nothing".into(),

@@ -6,7 +6,7 @@ use super::seen::{Seen, in_order};
 use super::{decibel, distinct, over_snr, percent, quantile};
 use crate::studies::sweep::panel::{Line, Panel, Scale};
 
-/// So many of ten estimates keep to the errors shown.
+/// Share of the estimates that keep to the errors shown.
 const MOST: f64 = 0.9;
 /// Rounding is said to matter where it makes errors so many times larger.
 const WORSE: f64 = 2.0;

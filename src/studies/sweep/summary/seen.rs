@@ -5,7 +5,7 @@ use crate::studies::sweep::table::Table;
 
 /// Conventions of intervals and tests, in the order of [`Seen::intervals`].
 pub const CONVENTIONS: [&str; 3] = ["robust", "asymptotic", "paper"];
-/// Of all tests.
+/// Significance level of all tests.
 pub const ALPHA: f64 = 0.01;
 
 /// One parameter in one cell.
@@ -18,9 +18,9 @@ pub struct Seen {
     pub parameter: String,
     /// Its effect has strength 0.
     pub absent: bool,
-    /// Of the effect, times what the study says.
+    /// Strength of the effect, as a multiple of the study's values.
     pub strength: f64,
-    /// Times the sensors' steps.
+    /// Quantisation as a multiple of the sensors' steps.
     pub quantisation: f64,
     /// From 1 at the base; 0 for a motor.
     pub joint: u64,

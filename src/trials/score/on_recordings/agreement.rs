@@ -6,13 +6,13 @@ use crate::diagnosis::{Named, Verdict};
 use crate::report::markdown_table;
 use crate::trials::Kind;
 
-/// Of the check recording's mean square: a candidate that takes more off than this is no unknown.
+/// Share of the check recording's mean square: a candidate that takes more off than this is no unknown.
 const TAKES_MUCH: f64 = 0.3;
 
-/// Of all untouched pairs.
+/// Agreement of the answers to all untouched pairs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Agreement {
-    /// With the commonest leading cause, or an equal of it, of all pairs.
+    /// Pairs with the commonest leading cause, or an equal of it, of all pairs.
     pub same: Share,
     pub leading: Option<Named>,
     /// "Unexplained" although the best candidate takes much off.

@@ -18,7 +18,7 @@ pub fn explained(judged: &Judged) -> bool {
     judged.verdict == Some(Verdict::Explained)
 }
 
-/// The few that say most.
+/// The few figures that say most.
 pub fn figures(all: &[Judged]) -> Vec<Figure> {
     let asked = found::asked(all);
     let of = |kind: Kind| all.iter().filter(move |j| j.kind == kind);

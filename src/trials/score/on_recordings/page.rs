@@ -6,7 +6,7 @@ use crate::diagnosis::Named;
 use crate::report::markdown_table;
 use crate::trials::Kind;
 
-/// Titles and tables, in order.
+/// Titles and tables of a trial on recordings, in order.
 pub fn parts(all: &[Judged]) -> Vec<(&'static str, String)> {
     vec![
         ("What could be found on this arm: found / asked", found::by_effect(all)),
