@@ -11,10 +11,10 @@ use crate::identification::problem::JointProblem;
 
 /// Bounds are truth / width .. truth x width.
 pub const WIDTHS: [f64; 3] = [1.05, 1.5, 5.0];
-/// Of the Coulomb level: a smaller truth counts as none, N.m at 1 rad/s.
+/// Share of the Coulomb level: a smaller truth (N.m at 1 rad/s) counts as none.
 const ABSENT: f64 = 0.05;
 
-/// All joints in boxes of one width.
+/// Duels at all joints in boxes of one width.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Boxed {
     pub width: f64,
@@ -37,7 +37,7 @@ pub fn boxed(
     WIDTHS.into_iter().map(at).collect()
 }
 
-/// The same problem in a box around the truth. What does not exist may be as large as the Coulomb
+/// A joint's problem in a box around the truth. What does not exist may be as large as the Coulomb
 /// level times width - 1, either way.
 pub fn narrowed(
     joint: &JointProblem,

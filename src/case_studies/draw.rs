@@ -142,13 +142,13 @@ impl Panel {
     }
 }
 
-/// The same middle with another span.
+/// A range with the middle of `r` and another span.
 fn around(r: &std::ops::Range<f64>, span: f64) -> std::ops::Range<f64> {
     let middle = 0.5 * (r.start + r.end);
     middle - 0.5 * span..middle + 0.5 * span
 }
 
-/// From least to greatest, `more` of the span added at both ends.
+/// Range of the values, with `more` of its span added at both ends.
 fn range(values: impl Iterator<Item = f64>, more: f64) -> std::ops::Range<f64> {
     let ends = |(a, b): (f64, f64), v: f64| (a.min(v), b.max(v));
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), ends);

@@ -16,11 +16,11 @@ pub struct Figure {
     pub path: Vec<[f64; 3]>,
 }
 
-/// Where figures stand, seen from the page.
+/// Folder of the figures, seen from the page.
 pub const FOLDER: &str = "img/case-studies";
 
 impl Figure {
-    /// Seen from the page.
+    /// Path of the figure's file, seen from the page.
     pub fn file(&self) -> String {
         format!("{FOLDER}/{}.svg", self.name)
     }
@@ -80,10 +80,10 @@ fn motion_panels(part: &Part) -> Vec<Panel> {
     signals.map(panel).into()
 }
 
-/// Of a path.
+/// Most points of a path.
 const MOST_PLACES: usize = 1200;
 
-/// By forward kinematics, m.
+/// Positions of the flange by forward kinematics, m.
 fn flange_path(part: &Part, robot: &Robot) -> Vec<[f64; 3]> {
     let s = &part.samples;
     let mut q = vec![0.0; s.joints()];
@@ -95,7 +95,7 @@ fn flange_path(part: &Part, robot: &Robot) -> Vec<[f64; 3]> {
     (0..s.len()).step_by(thin).map(place).collect()
 }
 
-/// From three sides.
+/// Panels of the path from three sides.
 fn path_panels(places: &[[f64; 3]]) -> Vec<Panel> {
     let side = |(title, a, b, across, up): (&str, usize, usize, &'static str, &'static str)| {
         let points: Vec<_> = places.iter().map(|p| (p[a], p[b])).collect();

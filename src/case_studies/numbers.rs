@@ -18,13 +18,13 @@ use crate::motor::study::Study as MotorStudy;
 pub struct Numbers<'a> {
     /// How they were made.
     command: &'a str,
-    /// Of the intervals.
+    /// Confidence level of the intervals.
     level: f64,
     /// True values of the synthetic recording, base to wrist.
     injected: &'a BTreeMap<&'static str, Vec<f64>>,
     studies: Vec<Estimates<'a>>,
     duels: Vec<Law<'a>>,
-    /// The same on the synthetic recording, with bounds around the truth.
+    /// Duels on the synthetic recording, with bounds around the truth.
     boxes: Vec<Boxes<'a>>,
     motor: Option<Motor<'a>>,
     /// Files, seen from the page.
@@ -36,9 +36,9 @@ struct Estimates<'a> {
     name: &'a str,
     fit: &'a str,
     check: &'a str,
-    /// Of all terms.
+    /// Results of each method with all terms.
     methods: &'a [MethodResult],
-    /// Without the dropped ones.
+    /// Result without the dropped terms.
     reduced: &'a MethodResult,
     dropped: &'a [Dropped],
 }
@@ -52,11 +52,11 @@ struct Law<'a> {
 #[derive(Serialize)]
 struct Boxes<'a> {
     law: &'a str,
-    /// By width of the bounds.
+    /// Duels by width of the bounds.
     widths: &'a [Boxed],
 }
 
-/// As in `armtwin motor --json`.
+/// Motor scenarios and studies as in `armtwin motor --json`.
 #[derive(Serialize)]
 struct Motor<'a> {
     scenarios: &'a [ScenarioReport],

@@ -11,7 +11,7 @@ use crate::signals::{Conditioning, Samples, condition};
 use crate::simulation::Setup;
 use crate::twin::Twin;
 
-/// Of one arm: fitted on one recording, held against another.
+/// Study of one arm: fitted on one recording, held against another.
 pub struct Study {
     /// `synthetic`, `real`: part of file names.
     pub name: &'static str,
@@ -30,11 +30,11 @@ pub struct Dropped {
     /// From 1 at the base.
     pub joint: usize,
     pub parameter: String,
-    /// Of the robust test when it was dropped; 1 where the parameter was not identifiable.
+    /// P-value of the robust test when it was dropped; 1 where the parameter was not identifiable.
     pub p: f64,
 }
 
-/// Whose existence is the paper's question.
+/// Powers of the velocity whose existence is the paper's question.
 const POWERS: [&str; 2] = ["viscous_quadratic", "viscous_cubic"];
 
 pub struct Part {
@@ -110,7 +110,7 @@ impl Study {
         joint.parameters.iter().find(|p| p.name == name)
     }
 
-    /// The same by NLSE without what was dropped.
+    /// An estimate by NLSE without what was dropped.
     pub fn reduced(&self, joint: usize, name: &str) -> Option<&ParameterEstimate> {
         let joint = self.reduced.joints.iter().find(|j| j.joint == joint)?;
         joint.parameters.iter().find(|p| p.name == name)

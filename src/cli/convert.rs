@@ -31,7 +31,7 @@ pub struct Args {
     read: ReadArgs,
     #[command(flatten)]
     arm: ArmArgs,
-    /// Between the columns of a CSV that is written
+    /// What separates the columns of a CSV that is written
     #[arg(long, value_enum, default_value = "comma")]
     delimiter: Between,
     /// Write what was read and written as JSON
@@ -39,7 +39,7 @@ pub struct Args {
     json: Option<Output>,
 }
 
-/// Of `--json`.
+/// What `--json` writes.
 #[derive(Serialize)]
 struct Converted<'a> {
     #[serde(flatten)]

@@ -119,7 +119,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Of every goal by itself.
+/// Studies every goal by itself, for `--study`.
 fn measure(args: &Args, seeds: u64) -> anyhow::Result<()> {
     let markdown = |p: &Output| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("md"));
     if let Some(other) = args.out.iter().find(|p| !markdown(p)) {

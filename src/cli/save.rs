@@ -28,7 +28,7 @@ pub fn json(path: &Path, schema: &'static str, content: &impl Serialize) -> anyh
     document(path, &Document { schema, version: env!("CARGO_PKG_VERSION"), content })
 }
 
-/// The same for what names its schema itself.
+/// Writes as JSON what names its schema itself.
 pub fn document(path: &Path, document: &impl Serialize) -> anyhow::Result<()> {
     text(path, &(serde_json::to_string_pretty(document)? + "\n"))
 }

@@ -33,13 +33,13 @@ pub struct Args {
     /// Folder for the results
     #[arg(long, required = true, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Only the K-th of N shares
+    /// Run only the K-th of N shares
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,
-    /// Cells at a time [default: one per core]
+    /// Number of cells run at a time [default: one per core]
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
-    /// Only this cell (from 0), alone in this process
+    /// Run only this cell (from 0), alone in this process
     #[arg(long, value_name = "CELL", conflicts_with_all = ["shard", "jobs"])]
     cell: Option<usize>,
     /// Write how many cells there are, were made now, and how fast, as JSON
@@ -76,7 +76,7 @@ enum After {
     },
 }
 
-/// Of every study, pictures apart; the tables come first.
+/// Files that every study writes, pictures apart; the tables come first.
 const FILES: [&str; 4] = ["cells.parquet", "timings.parquet", "summary.md", "report.html"];
 
 pub fn run(args: &Args) -> anyhow::Result<()> {

@@ -36,14 +36,14 @@ pub struct Args {
     json: Option<Output>,
 }
 
-/// Of `--json`.
+/// What `--json` writes.
 #[derive(Serialize)]
 struct Arm<'a> {
     robot: &'a str,
     /// The link it stands on, and the one at its flange.
     base: &'a str,
     tip: &'a str,
-    /// In the base's frame.
+    /// Gravity in the base's frame, m/s^2.
     gravity_m_s2: [f64; 3],
     mass_kg: f64,
     joints: Vec<Moved<'a>>,
@@ -63,7 +63,7 @@ struct Moved<'a> {
     effort_nm: Option<f64>,
     link: &'a str,
     mass_kg: f64,
-    /// In the joint's frame, whose z is its axis.
+    /// Centre of mass in the joint's frame, whose z is its axis, m.
     com_m: [f64; 3],
 }
 

@@ -60,7 +60,7 @@ static ABOUT: About = About {
     source: "hysteresis after Dahl, Aerospace Corp. TOR-0158(3107-18), 1968; spring in series with nothing",
 };
 
-/// Of the hysteresis, 1/rad.
+/// Least stiffness of the spring over the torque of the hysteresis, 1/rad.
 const LEAST_STIFFNESS: f64 = 0.1;
 
 impl Effect for CableSpring {

@@ -9,7 +9,7 @@ pub struct Channels {
     pub q: Vec<f64>,
     pub qd: Vec<f64>,
     pub qdd: Vec<f64>,
-    /// Of the drive at the joint, N.m.
+    /// Torque of the drive at the joint, N.m.
     pub torque: Vec<f64>,
     /// Do `qd` and `qdd` come from the recorded velocity rather than from the position?
     pub velocity_is_recorded: bool,

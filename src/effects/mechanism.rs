@@ -15,7 +15,7 @@ pub struct Mechanism {
     pub torque_gain: Vec<f64>,
     /// Largest torque of the motor at the joint, N.m; infinite without limit.
     pub torque_limit: Vec<f64>,
-    /// Between motor and link; `None` is rigid.
+    /// Transmission between motor and link of each joint; `None` is rigid.
     pub transmission: Vec<Option<Transmission>>,
     pub control: ControlChange,
 }
@@ -31,7 +31,7 @@ pub struct Transmission {
     pub hardening: f64,
     /// N.m.s/rad, where the teeth touch
     pub damping: f64,
-    /// Of the teeth, both directions together, rad.
+    /// Backlash of the teeth, both directions together, rad.
     pub gap: f64,
     /// N.m
     pub hysteresis: f64,
@@ -60,7 +60,7 @@ impl Transmission {
         if self.hysteresis > 0.0 { dahl(z, dw, self.hysteresis_width) } else { z }
     }
 
-    /// Of small wind-ups, N.m/rad.
+    /// Stiffness at small wind-ups with the hysteresis, N.m/rad.
     pub(super) fn stiffest(&self) -> f64 {
         let bristles = self.hysteresis / self.hysteresis_width.max(f64::MIN_POSITIVE);
         self.stiffness + if self.hysteresis > 0.0 { bristles } else { 0.0 }
@@ -89,7 +89,7 @@ pub struct ControlChange {
     pub bandwidth: f64,
     pub damping: f64,
     pub feedforward: f64,
-    /// Of the torque behind its computation, s.
+    /// Delay of the torque behind its computation, s.
     pub delay: f64,
 }
 

@@ -88,7 +88,7 @@ pub struct Parameter {
     /// Physical bounds, both attainable.
     pub min: f64,
     pub max: f64,
-    /// Of a UR5-class joint.
+    /// Typical value of a UR5-class joint.
     pub typical: f64,
     /// The value at which the effect vanishes.
     pub null: f64,
@@ -96,8 +96,8 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// Where columns are worked out, not what the arm is like: follows from the linear parameters
-    /// ([`Effect::settle`]).
+    /// Does it say where columns are worked out, not what the arm is like? It then follows from the linear
+    /// parameters ([`Effect::settle`]).
     pub fn is_reference(&self) -> bool {
         self.name.ends_with("_reference")
     }
@@ -108,7 +108,7 @@ impl Parameter {
         may.then_some(self.typical)
     }
 
-    /// Beyond anything that a fit or a slip of units can give: a thousand times the bounds.
+    /// Is it beyond anything that a fit or a slip of units can give: a thousand times the bounds?
     pub fn is_absurd(&self, value: f64) -> bool {
         value.is_nan() || value.abs() > ABSURD * self.min.abs().max(self.max.abs())
     }

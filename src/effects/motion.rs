@@ -21,14 +21,14 @@ pub struct Motion<'a> {
     pub qdd: &'a JointSeries,
     /// deg C, where known.
     pub temperature: Option<&'a JointSeries>,
-    /// Up to which frequency torques are compared, Hz; infinite without a filter.
+    /// Highest frequency at which torques are compared, Hz; infinite without a filter.
     pub band_hz: f64,
     /// What is known of the drive's torque without the effect in question, N.m: see
     /// [`Motion::drive_torque`].
     pub known: Option<&'a JointSeries>,
     /// Transmissions of `robot` that are known to give way, by joint; empty where all are rigid.
     pub giving: &'a [Option<Transmission>],
-    /// Of `robot` along this motion, kept for the next candidate; `None` works it out each time.
+    /// Rigid torque of `robot` along this motion, kept for the next candidate; `None` works it out each time.
     pub rigid: Option<&'a Rigid>,
 }
 
@@ -60,7 +60,7 @@ impl<'a> Motion<'a> {
         self.q.samples()
     }
 
-    /// Of sample `k`, s.
+    /// Time of sample `k`, s.
     pub fn time(&self, k: usize) -> f64 {
         self.start + k as f64 * self.dt
     }
@@ -73,7 +73,7 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// How that changes with the motion of `joint`.
+    /// Slopes of that torque over the motion of `joint`.
     pub fn slopes(&self, joint: usize) -> Cow<'a, Slopes> {
         match self.rigid {
             Some(kept) => Cow::Borrowed(kept.slopes(self.robot, self.series(), joint)),

@@ -11,13 +11,13 @@ const STEP_RAD: f64 = 1e-5;
 const STEP_RAD_S: f64 = 1.0;
 const STEP_RAD_S2: f64 = 1.0;
 
-/// Of one robot along one motion, each worked out when first asked for. Whoever tries many values
-/// of an elastic joint's parameters keeps one beside the motion ([`super::Motion::rigid`]).
+/// Rigid torque of one robot along one motion and its slopes, worked out when first asked for. Whoever
+/// tries many values of an elastic joint's parameters keeps one beside the motion ([`super::Motion::rigid`]).
 #[derive(Debug)]
 pub struct Rigid {
     torque: OnceLock<JointSeries>,
     slopes: Vec<OnceLock<Slopes>>,
-    /// These do not know what the links weigh.
+    /// Regressors of every link, which do not depend on what the links weigh.
     regressors: Arc<[OnceLock<Regressor>]>,
 }
 
@@ -33,7 +33,7 @@ impl Rigid {
         Self::beside((0..joints).map(|_| OnceLock::new()).collect())
     }
 
-    /// Of a robot along the same motion that differs in what its links weigh alone.
+    /// Values for a robot that differs in what its links weigh alone, along the same motion.
     pub fn of_other_load(&self) -> Self {
         Self::beside(self.regressors.clone())
     }

@@ -19,7 +19,7 @@ use crate::series::JointSeries;
 
 /// Longest step of the integration, s.
 const STEP_S: f64 = 2.5e-4;
-/// Of a link, kg.m2: divides.
+/// Least inertia of a link, kg.m2: it divides.
 const LIGHTEST: f64 = 1e-9;
 /// Least damping of teeth that meet, of critical, about the steady wind-up. A motor answers a blow,
 /// which ends the ringing; its conditioned motion has lost most of that answer, and links would ring

@@ -17,12 +17,12 @@ pub struct RandomSines {
 }
 
 const KINDS: [Kind; 2] = [Kind::RandomFrequency, Kind::Fourier];
-/// Drawn per kind and range.
+/// Motions drawn per kind and range.
 const SEEDS: u64 = 12;
 /// Fewer have no median worth the name.
 const ENOUGH: usize = 5;
 const HALVINGS: i32 = 4;
-/// Of the grid on which they are judged, s.
+/// Step of the grid on which they are judged, s.
 pub const DT: f64 = 0.02;
 
 /// Random sines with the range of `like`, or half of it and so on where too few of them keep clear.

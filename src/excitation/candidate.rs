@@ -14,7 +14,7 @@ pub struct Family {
     pub period_s: f64,
     pub fade_s: f64,
     pub harmonics: usize,
-    /// Of the grid on which candidates are judged, s.
+    /// Step of the grid on which candidates are judged, s.
     pub dt: f64,
     /// What every harmonic's sine and every one's cosine does, one "joint" each, of amplitude 1.
     basis: Sampled,
@@ -24,7 +24,7 @@ pub struct Family {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
     pub centre: Vec<f64>,
-    /// Per joint: sines, then cosines, rad.
+    /// Coefficients of each joint: sines, then cosines, rad.
     pub coefficients: Vec<Vec<f64>>,
 }
 
@@ -37,10 +37,10 @@ const BEYOND_CORNER: f64 = 1.25;
 const FADE_S: f64 = 2.0;
 /// Grid points in a period of the highest harmonic.
 const POINTS_PER_PERIOD: f64 = 20.0;
-/// Of speed and acceleration limits: the rest is for what lies between grid points and for a
-/// controller that follows.
+/// Share of the limits of angle, speed and acceleration that is used: the rest is for what lies between
+/// grid points and for a controller that follows.
 const SHARE: f64 = 0.96;
-/// How far the centre may move, of the range.
+/// Share of the range by which the centre may move.
 const CENTRE_SHARE: f64 = 0.8;
 
 impl Family {
@@ -130,7 +130,7 @@ impl Family {
         sum
     }
 
-    /// Its coefficients as a scenario holds them.
+    /// A candidate's coefficients as a scenario holds them.
     pub fn series(&self, candidate: &Candidate) -> Series {
         let half = |from: usize| {
             let of = |a: &Vec<f64>| a[from..from + self.harmonics].to_vec();

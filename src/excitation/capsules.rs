@@ -19,7 +19,7 @@ pub struct Surroundings {
 pub struct Capsules {
     /// m
     pub radius: f64,
-    /// Beyond the flange along its z axis, m.
+    /// Length of the tool beyond the flange along its z axis, m.
     tool: f64,
     names: Vec<String>,
     /// Capsules that can touch: others are held apart, or together, by what lies between them.
@@ -35,7 +35,7 @@ pub struct Closest {
     pub between: [String; 2],
 }
 
-/// Without a radius given: this share of the length of the arm, about a UR's.
+/// Radius as a share of the length of the arm where none is given: about a UR's.
 const RADIUS_SHARE: f64 = 0.05;
 /// Capsules with less than so many radii of arm between them are not judged: the housings of a UR wrist
 /// are nearer than that in every pose.
@@ -73,7 +73,7 @@ impl Capsules {
         capsules
     }
 
-    /// Where the capsules begin and the last one ends: base, joints, flange, tip of the tool.
+    /// Points where the capsules begin and the last one ends, m: base, joints, flange, tip of the tool.
     fn points(&self, robot: &Robot, q: &[f64]) -> Vec<Vector3<f64>> {
         let placements = body_placements(robot, q);
         let mut points = vec![Vector3::zeros()];
@@ -86,13 +86,13 @@ impl Capsules {
         points
     }
 
-    /// In one pose, rad.
+    /// Closest approach in one pose, rad.
     pub fn closest(&self, robot: &Robot, q: &[f64], around: &Surroundings) -> Option<Closest> {
         let (distance_m, what) = self.nearest(robot, q, around)?;
         Some(Closest { distance_m, between: self.named(what) })
     }
 
-    /// The same along a motion: where it is smallest.
+    /// Smallest distance in one pose, m, and which two things it is between.
     pub(super) fn nearest(
         &self,
         robot: &Robot,

@@ -38,9 +38,9 @@ pub struct Unknowns {
 /// What no twin knows for sure and every fit has along, whatever is asked for.
 const ALWAYS_OPEN: [&str; 4] = ["coulomb", "viscous", "rotor_inertia", "current_offset"];
 
-/// What CAD is commonly wrong by, of a moment of inertia.
+/// Share of a moment of inertia by which CAD is commonly wrong.
 const INERTIA_ERROR: f64 = 0.1;
-/// So that a link of no size has one, kg.m2.
+/// Least size of a moment of inertia, so that a link of no size has one, kg.m2.
 const LEAST_INERTIA: f64 = 1e-6;
 
 impl Unknowns {
@@ -48,7 +48,7 @@ impl Unknowns {
         Self { all: Vec::new(), sources: Vec::new() }
     }
 
-    /// Of some effects.
+    /// Unknown parameters of some effects.
     pub fn of<'a>(terms: impl IntoIterator<Item = &'a Term>, robot: &Robot) -> Self {
         let mut unknowns = Self::none();
         for term in terms {
@@ -118,7 +118,7 @@ impl Unknowns {
         }
     }
 
-    /// Along a motion, in the order of `all`.
+    /// Columns of the unknowns along a motion, in the order of `all`.
     pub fn columns(&self, motion: &Motion<'_>) -> Vec<Column> {
         self.sources.iter().flat_map(|s| s.columns(motion)).collect()
     }
@@ -163,7 +163,7 @@ fn link_sizes(robot: &Robot, link: usize) -> [f64; parameters::PER_LINK] {
     std::array::from_fn(|i| if i < 4 { at(i) } else { inertia.max(LEAST_INERTIA) })
 }
 
-/// As expected, or typical; where that is zero, what is typical of another parameter of its unit.
+/// Expected or typical size of each; where that is zero, what is typical of another parameter of its unit.
 fn effect_sizes(
     effect: &dyn Effect,
     linear: &[&Parameter],

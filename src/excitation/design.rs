@@ -23,7 +23,7 @@ use crate::twin::Twin;
 #[derive(Clone)]
 pub struct Request {
     pub ask: Ask,
-    /// With the rests, s.
+    /// Length of the motion with the rests, s.
     pub seconds: f64,
     /// Largest distance from the middle pose, speed and acceleration of any joint.
     pub range_rad: f64,
@@ -32,15 +32,15 @@ pub struct Request {
     /// Middle pose; left out, as of other motions.
     pub home_rad: Option<Vec<f64>>,
     pub around: Surroundings,
-    /// Of the capsules around the links, m; left out, a share of the arm's length.
+    /// Radius of the capsules around the links, m; left out, a share of the arm's length.
     pub radius_m: Option<f64>,
-    /// Beyond the flange, along its z axis, m.
+    /// Length of a tool beyond the flange, along its z axis, m.
     pub tool_m: f64,
     /// Smallest distance of surfaces, m.
     pub clearance_m: f64,
-    /// On each joint's torque, N.m; left out, a share of the largest torque.
+    /// Standard deviation of the noise on each joint's torque, N.m; left out, a share of the largest torque.
     pub noise_nm: Option<Vec<f64>>,
-    /// Of the recording the motion is made for, Hz.
+    /// Sample rate of the recording the motion is made for, Hz.
     pub rate_hz: f64,
     pub seed: u64,
     /// Motions tried by the search.
@@ -84,20 +84,20 @@ pub enum ExcitationError {
 
 /// White noise where none is given: this share of a joint's largest torque.
 const NOISE_SHARE: f64 = 0.01;
-/// And where no largest torque is known, N.m.
+/// White noise where no largest torque is known either, N.m.
 const NOISE_NM: f64 = 1.0;
 const REST_S: f64 = 1.0;
-/// Of the torque limit that a search may use.
+/// Share of the torque limit that a search may use.
 const TORQUE_SHARE: f64 = 0.9;
-/// Beyond the clearance, for what lies between grid points, m.
+/// Distance kept beyond the clearance, for what lies between grid points, m.
 const SPARE_M: f64 = 0.005;
-/// Random motions from the best of which the search goes on, of all that it may try.
+/// Share of all tries that are random motions; the search goes on from the best of them.
 const START_SHARE: f64 = 0.05;
 const SIGMA: f64 = 0.2;
 /// If simulation breaks a limit the motion is made so much smaller, so many times.
 const SMALLER: f64 = 0.97;
 const ATTEMPTS: i32 = 6;
-/// Of the grid on which the finished motion is checked, s.
+/// Step of the grid on which the finished motion is checked, s.
 const CHECK_DT: f64 = 0.002;
 
 /// What a candidate is worth: first to hold all limits, then to tell much.
@@ -237,7 +237,7 @@ fn checked(
 }
 
 impl Request {
-    /// Of any motion of this length within these limits.
+    /// Settings of any motion of this length within these limits.
     fn motion(&self) -> Settings {
         Settings {
             duration_s: self.seconds,

@@ -64,7 +64,7 @@ struct Strategy {
     p_sigma: Vec<f64>,
     p_c: Vec<f64>,
     lambda: usize,
-    /// Of the better half, best first; their sum is 1.
+    /// Weights of the better half, best first; their sum is 1.
     weights: Vec<f64>,
     mu_eff: f64,
     generation: i32,
@@ -96,7 +96,7 @@ impl Strategy {
         (0..self.lambda).map(|_| one()).collect()
     }
 
-    /// From the points of one generation, best first (tutorial, section 6 and figure 6).
+    /// Learns from the points of one generation, best first (tutorial, section 6 and figure 6).
     fn learn(&mut self, ranked: &[&[f64]]) {
         let n = self.m.len() as f64;
         let mu_eff = self.mu_eff;

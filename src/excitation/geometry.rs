@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-/// From one end to the other, m.
+/// A straight segment from one end to the other, m.
 pub type Segment = [Vector3<f64>; 2];
 
-/// Parallel to the axes of the base, m.
+/// A box parallel to the axes of the base, m.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Cuboid {
     pub lower: [f64; 3],
@@ -15,7 +15,7 @@ pub struct Cuboid {
 /// Shorter segments are points, m2.
 const POINT_M2: f64 = 1e-18;
 
-/// Of the closest points of two segments (Ericson, *Real-Time Collision Detection*, 2005,
+/// Distance of the closest points of two segments, m (Ericson, *Real-Time Collision Detection*, 2005,
 /// section 5.1.9, in its symbols).
 pub fn segment_segment([p1, q1]: &Segment, [p2, q2]: &Segment) -> f64 {
     let (d1, d2, r) = (q1 - p1, q2 - p2, p1 - p2);
@@ -41,7 +41,7 @@ pub fn segment_segment([p1, q1]: &Segment, [p2, q2]: &Segment) -> f64 {
     (p1 + d1 * s - p2 - d2 * t).norm()
 }
 
-/// Of a segment from a box; zero where they meet.
+/// Distance of a segment from a box, m; zero where they meet.
 ///
 /// Half the square of the distance of p + t d is convex in t and quadratic between the places where
 /// the segment crosses a face's plane: its minimum is where its slope, linear in between, vanishes.
@@ -68,7 +68,7 @@ pub fn segment_box([p, q]: &Segment, cuboid: &Cuboid) -> f64 {
 }
 
 impl Cuboid {
-    /// By how much a coordinate lies outside along one axis, signed.
+    /// How far a coordinate lies outside along one axis, m, signed.
     fn beyond(&self, axis: usize, x: f64) -> f64 {
         x - x.clamp(self.lower[axis], self.upper[axis])
     }
@@ -120,7 +120,7 @@ mod tests {
         }
     }
 
-    /// Against the smallest of many distances between points along both.
+    /// Compares with the smallest of many distances between points along both.
     #[test]
     fn no_pair_of_points_is_closer() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);

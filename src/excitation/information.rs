@@ -13,12 +13,12 @@ use crate::regression::qr::Qr;
 
 /// Rows that count, and what they weigh: 1 over the standard deviation of a row's noise.
 pub struct Rows {
-    /// Per joint.
+    /// Rows that count, by joint.
     pub counted: Vec<Vec<usize>>,
     pub weight: Vec<f64>,
 }
 
-/// Of `open` parameters and then of those asked for.
+/// Information on `open` parameters and then on those asked for.
 pub struct Information {
     open: usize,
     /// Lower Cholesky factor of the scaled normal matrix.
@@ -29,7 +29,7 @@ pub struct Information {
 
 /// A column with less than this share of its length to itself says nothing of its own.
 const OWN_SHARE: f64 = 1e-6;
-/// Nor does one that is nothing but rounding, in units of the noise.
+/// Nor does a column with less length to itself than this, which is rounding, in units of the noise.
 const LEAST: f64 = 1e-9;
 
 impl Rows {
@@ -44,7 +44,7 @@ impl Rows {
         }
     }
 
-    /// All joints below each other.
+    /// The column with all joints below each other.
     fn stacked(&self, column: &Column) -> Vec<f64> {
         let at = |j: usize| match self.of(column, j) {
             none if none.is_empty() => vec![0.0; self.counted[j].len()],

@@ -31,7 +31,7 @@ pub struct Reached {
 /// What a motion makes of its limits.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Held {
-    /// From the centre of the allowed angles, rad.
+    /// Angle from the centre of the allowed angles, rad.
     pub angle_rad: Reached,
     pub speed_rad_s: Reached,
     /// Absent along a simulated motion, where dry friction at a reversal jerks.
@@ -48,7 +48,7 @@ impl Reached {
         self.value / self.limit
     }
 
-    /// Of the joint with the largest share; `None` without a joint that has a limit.
+    /// Value of the joint with the largest share of its limit; `None` without a joint that has a limit.
     fn worst(series: &JointSeries, from: &[f64], limits: &[f64]) -> Option<Self> {
         let of = |j: usize| {
             let value = series.joint(j).iter().fold(0.0_f64, |m, x| m.max((x - from[j]).abs()));
@@ -73,7 +73,7 @@ impl<'a> Limits<'a> {
         Self { robot: &twin.robot, envelope, torque, capsules, around, clearance_m }
     }
 
-    /// By how much a motion with the torque `tau` goes beyond `share` of the limits of torque and
+    /// How far a motion with the torque `tau` goes beyond `share` of the limits of torque and
     /// `spare` m more than the clearance; 0 where it does not.
     pub fn exceeded(&self, q: &JointSeries, tau: &JointSeries, share: f64, spare: f64) -> f64 {
         let zero = vec![0.0; tau.joints()];
@@ -83,14 +83,14 @@ impl<'a> Limits<'a> {
         (torque - share).max(0.0) + too_near
     }
 
-    /// Along a commanded motion.
+    /// How the limits are held along a commanded motion.
     pub fn held(&self, motion: &Sampled, tau: &JointSeries) -> Held {
         let zero = vec![0.0; tau.joints()];
         let acceleration = Reached::worst(&motion.qdd, &zero, &self.envelope.acceleration);
         Held { acceleration_rad_s2: acceleration, ..self.held_by(&motion.q, &motion.qd, tau) }
     }
 
-    /// Along a simulated one.
+    /// How the limits are held along a simulated motion.
     pub fn held_by(&self, q: &JointSeries, qd: &JointSeries, tau: &JointSeries) -> Held {
         let Envelope { centre, range, velocity, .. } = &self.envelope;
         let zero = vec![0.0; tau.joints()];

@@ -24,7 +24,7 @@ pub struct Recorder {
 
 pub struct Question<'a> {
     twin: &'a Twin,
-    /// With the loads the twin knows.
+    /// The robot with the loads the twin knows.
     robot: Robot,
     recorder: &'a Recorder,
     /// One, or two where rivals are to be told apart: each against the other.
@@ -152,7 +152,7 @@ impl<'a> Question<'a> {
 }
 
 impl Problem {
-    /// Of the parameters of [`Problem::columns`].
+    /// Sizes of the parameters of [`Problem::columns`], each in its unit.
     fn sizes(&self) -> Vec<f64> {
         let all = self.unknowns.all.iter().map(|u| u.size);
         match self.together {
@@ -161,7 +161,7 @@ impl Problem {
         }
     }
 
-    /// All of them, before any is left out.
+    /// Columns of all parameters, before any is left out.
     fn columns(&self, motion: &Motion<'_>) -> Vec<Column> {
         let mut columns = self.unknowns.columns(motion);
         if self.together {

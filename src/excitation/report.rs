@@ -14,7 +14,7 @@ use crate::report::{paragraph, table};
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// As it was asked for.
+    /// The two rivals to be told apart, as it was asked for.
     pub rivals: Option<[String; 2]>,
     pub seed: u64,
     pub seconds: f64,
@@ -24,7 +24,7 @@ pub struct Report {
     pub radius_m: f64,
     pub tool_m: f64,
     pub clearance_m: f64,
-    /// As commanded, and as the simulated arm did it.
+    /// Limits as held by the commanded motion, and by the simulated arm.
     pub commanded: Held,
     pub simulated: Held,
     /// Every parameter that is asked for and can be told.
@@ -34,7 +34,7 @@ pub struct Report {
     pub narrower: Option<f64>,
     /// Asked for, but it follows from other parameters whatever the motion.
     pub not_told: Vec<String>,
-    /// Of two rivals: the log-likelihood by which the recording will favour the one that is there.
+    /// Log-likelihood by which the recording will favour the one of two rivals that is there, nats.
     pub nats: Option<f64>,
     pub random_sines: Baseline,
 }
@@ -69,13 +69,13 @@ pub struct Group {
 pub struct Baseline {
     pub motions: usize,
     pub drawn: usize,
-    /// Where the asked range left too few that keep clear, a smaller one.
+    /// Range of the motions, rad: a smaller one where the asked range left too few that keep clear.
     pub range_rad: f64,
-    /// Median, of two rivals.
+    /// Median log-likelihood in favour of the one of two rivals that is there, nats.
     pub nats: Option<f64>,
 }
 
-/// Of a normal distribution: 99 % lie within so many standard deviations.
+/// Standard deviations of a normal distribution within which 99 % lie.
 const WITHIN_99: f64 = 2.575_829_303_548_901;
 
 /// A rival that is ahead by so many nats is ahead for sure.
@@ -138,8 +138,8 @@ pub(super) fn report(
     }
 }
 
-/// Over the random motions; one that determines nothing counts as `worst`. `None` where the median is
-/// such a one.
+/// Median over the random motions; one that determines nothing counts as `worst`. `None` where the median
+/// is such a one.
 fn median(random: &RandomSines, worst: f64, of: impl Fn(&Answer) -> f64) -> Option<f64> {
     let value = |a: &Option<Answer>| a.as_ref().map_or(worst, &of);
     let mut all: Vec<f64> = random.answers.iter().map(value).collect();

@@ -13,17 +13,17 @@ use super::smooth::{Smoothed, log_evidence, smooth};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     pub recording: String,
-    /// In the recording, s.
+    /// Beginning and end of the contact in the recording, s.
     pub start_s: f64,
     pub end_s: f64,
-    /// Touched, from 1 at the base: the most probable one.
+    /// Link that is touched, from 1 at the base: the most probable one.
     pub link: usize,
     pub link_probability: f64,
-    /// Of every link, base to wrist; sums to 1.
+    /// Probability of every link, base to wrist; sums to 1.
     pub links: Vec<f64>,
     /// Joints, from 1, that feel more of it at its peak than what the twin leaves without it.
     pub joints: Vec<usize>,
-    /// Where on the link it is thought to act, in the link's frame, m.
+    /// Point of the link at which it is thought to act, in the link's frame, m.
     pub point_m: [f64; 3],
     pub peak_time_s: f64,
     /// Largest force, N, and its standard deviation, in which other places have their part.
@@ -31,11 +31,11 @@ pub struct Contact {
     pub peak_sd_n: f64,
     /// Force on the arm at its peak, N, base axes.
     pub force_n: [f64; 3],
-    /// Of its size over time, N.s.
+    /// Integral of the force's size over time, N.s.
     pub impulse_ns: f64,
     pub trace: Vec<Instant>,
-    /// Of the stretch's squared residual, in variances of what the twin leaves, the share that this
-    /// force takes off.
+    /// Share of the stretch's squared residual, in variances of what the twin leaves, that this force
+    /// takes off.
     pub explained: f64,
     /// Log-evidence for this contact over none, nats, its probability beforehand counted in.
     pub log_odds: f64,

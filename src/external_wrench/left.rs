@@ -13,7 +13,7 @@ pub struct Left {
     pub torque: JointSeries,
     /// Torque that friction can hold at rest in this pose, N.m.
     pub holds: JointSeries,
-    /// Of every joint at every sample.
+    /// State of the friction of every joint at every sample.
     pub friction: Vec<Vec<Friction>>,
 }
 
@@ -23,7 +23,7 @@ pub enum Friction {
     Slides,
     /// Holds whatever is asked of it, up to a limit, while other joints move.
     Holds,
-    /// The same while the whole arm is at rest.
+    /// Holds while the whole arm is at rest.
     Rests,
     /// Just now it held, or soon it will: within `CHANGE_S` of the speed's crossing the threshold of
     /// standstill. Where a filter smears one over the other, and where friction differs most from what

@@ -33,13 +33,13 @@ pub struct Steps {
     pub white: Vec<Vec<f64>>,
     /// What is left of u after one step.
     pub kept: Vec<Vec<f64>>,
-    /// By place, then by step.
+    /// Levers by place, then by step.
     pub levers: Vec<Vec<Levers>>,
     /// Standard deviation of every component of a force, N.
     pub force_n: f64,
     /// What is left of a force after one step.
     pub force_kept: f64,
-    /// At most, of what friction holds, while something touches.
+    /// Most that is left of u after one step where friction holds, while something touches.
     pub yielding: f64,
 }
 
@@ -126,7 +126,7 @@ impl Switching {
         }
     }
 
-    /// Of a contact at a given place that lasts so many steps, over none in that time.
+    /// Log-odds of a contact at a given place that lasts so many steps, over none in that time.
     pub fn contact(&self, steps: usize) -> f64 {
         let on = steps.saturating_sub(1) as f64;
         self.begins + self.ends + on * self.goes_on - (on + 2.0) * self.none

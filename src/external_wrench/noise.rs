@@ -46,7 +46,7 @@ impl Process {
     }
 }
 
-/// All joints, base to wrist.
+/// Noise of all joints, base to wrist, by the state of their friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Noise {
     pub sliding: Vec<Process>,
@@ -60,12 +60,12 @@ pub struct Noise {
 pub struct Heard<'a> {
     pub left: &'a Left,
     pub every: usize,
-    /// Between the samples that are kept, s.
+    /// Time between the samples that are kept, s.
     pub dt: f64,
 }
 
 impl Noise {
-    /// From a recording and others of the same arm that are `free` of contacts: at every joint the
+    /// Learns it from a recording and others of the same arm that are `free` of contacts: at every joint the
     /// worst of them. At rest, where what a push looks like is most of what happens, from those that
     /// are free alone if one of them rests. Where friction holds or changes it may be anything between
     /// its limits, whatever the recordings happen to show; the same for a state that none is in long
@@ -112,7 +112,7 @@ impl Noise {
     }
 }
 
-/// Of a joint in one state of its friction; `None` if it is hardly ever in it.
+/// Most likely noise of a joint in one state of its friction; `None` if it is hardly ever in it.
 fn process(heard: &Heard<'_>, joint: usize, friction: Friction) -> Option<Process> {
     let level = level(heard.left, joint);
     let values = heard.left.torque.joint(joint);
@@ -140,7 +140,7 @@ pub fn level(left: &Left, joint: usize) -> f64 {
     median(left.torque.joint(joint).to_vec())
 }
 
-/// Of a process and white noise on it; where it is interrupted it begins anew.
+/// Log-likelihood of a process and white noise on it; where it is interrupted it begins anew.
 fn likelihood(values: &[Option<f64>], process: &Process, dt: f64) -> f64 {
     let kept = (-dt / process.lasting_s).exp();
     let stationary = process.spread_nm.powi(2);

@@ -5,18 +5,18 @@ use nalgebra::Vector3;
 use crate::robot::Robot;
 use crate::series::JointSeries;
 
-/// Along a link, of the way from its joint to the next one (the flange at the last).
+/// Places along a link, as shares of the way from its joint to the next one (the flange at the last).
 const ALONG: [f64; 2] = [0.5, 1.0];
-/// Of the arm's length: ends of a link nearer to each other than this are one place, and a force
+/// Share of the arm's length: ends of a link nearer to each other than this are one place, and a force
 /// with less than this as its lever at every joint does not show.
 const NEAR: f64 = 0.1;
 
 /// A point fixed on a link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// From 0 at the base.
+    /// Number of the link, from 0 at the base.
     pub link: usize,
-    /// In the link's frame, m.
+    /// Position in the link's frame, m.
     pub point: Vector3<f64>,
 }
 
@@ -42,7 +42,7 @@ pub fn places(robot: &Robot) -> Vec<Place> {
     all.into_iter().filter(shows).collect()
 }
 
-/// Where the next joint is, or the flange, in the link's frame, m; its centre of mass where it
+/// Position of the next joint, or of the flange, in the link's frame, m; centre of mass where the link
 /// branches.
 fn end(robot: &Robot, link: usize) -> Vector3<f64> {
     let children: Vec<_> = robot.bodies.iter().filter(|b| b.parent == Some(link)).collect();

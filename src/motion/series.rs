@@ -12,7 +12,7 @@ use crate::robot::Robot;
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Series {
-    /// Of the first harmonic, s.
+    /// Period of the first harmonic, s.
     pub period_s: f64,
     /// How long the window rises and falls, s.
     pub fade_s: f64,
@@ -56,7 +56,7 @@ impl Series {
         trajectory.sampled(dt)
     }
 
-    /// Of one joint. a sin x + b cos x = |(a, b)| sin(x + atan2(b, a)).
+    /// Waves of one joint. a sin x + b cos x = |(a, b)| sin(x + atan2(b, a)).
     fn waves(&self, sine: &[f64], cosine: &[f64]) -> Vec<Wave> {
         let wave = |(k, (a, b)): (usize, (&f64, &f64))| Wave {
             amplitude: a.hypot(*b),

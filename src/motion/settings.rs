@@ -15,15 +15,15 @@ use crate::robot::Robot;
 pub struct Settings {
     pub kind: Kind,
     pub seed: u64,
-    /// With the rests at both ends, s.
+    /// Length of the motion with the rests at both ends, s.
     pub duration_s: f64,
-    /// At both ends, s.
+    /// Length of the rest at each end, s.
     pub rest_s: f64,
     /// Largest distance of a joint from the home pose, rad.
     pub range_rad: f64,
-    /// Of any joint, rad/s.
+    /// Largest speed of any joint, rad/s.
     pub speed_rad_s: f64,
-    /// Of any joint, rad/s^2.
+    /// Largest acceleration of any joint, rad/s^2.
     pub acceleration_rad_s2: f64,
     /// Middle of the motion, one angle per joint, rad; left out: a pose above the table for UR
     /// arms, the middle of the joint limits for others.

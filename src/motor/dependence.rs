@@ -25,10 +25,10 @@ pub struct Dependence {
     pub runs: usize,
     /// Smallest and largest cost reached, in units of the noise.
     pub cost: [f64; 2],
-    /// Of the members of undetermined directions: the largest error of any, smallest and largest
-    /// over the runs, %.
+    /// Largest error of any member of an undetermined direction, %: the smallest and the largest of it
+    /// over the runs.
     pub member_error: [f64; 2],
-    /// Of the best-determined combination of members.
+    /// Name of the best-determined combination of members.
     pub combination: String,
     pub combination_error: [f64; 2],
 }

@@ -35,7 +35,7 @@ impl Clean {
         Ok(Self { input, output, snr_db: excitation.snr_db })
     }
 
-    /// The same motion measured with other noise; infinite is none.
+    /// This motion measured with a signal-to-noise ratio of `snr_db`, dB; infinite is no noise.
     pub fn at(&self, snr_db: f64) -> Self {
         Self { snr_db, ..self.clone() }
     }

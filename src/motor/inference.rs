@@ -92,7 +92,7 @@ impl Conventions {
 /// A product of powers that the data determine although its factors are not.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Combination {
-    /// For example `J * R`.
+    /// Name, for example `J * R`.
     pub name: String,
     /// (parameter, exponent)
     pub factors: Vec<(&'static str, f64)>,
@@ -103,7 +103,7 @@ pub struct Combination {
 }
 
 impl Combination {
-    /// The same combination of other values.
+    /// Value of this combination for other parameter values.
     pub fn of(&self, values: &[f64; COUNT]) -> f64 {
         let factor = |(name, e): &(&str, f64)| {
             let k = NAMES.iter().position(|n| n == name);
@@ -120,12 +120,12 @@ pub struct Knowledge {
     /// `REFUSED` for given parameters; undetermined ones have tests but no bounds.
     pub parameters: [Conventions; COUNT],
     pub identifiable: [bool; COUNT],
-    /// Per undetermined direction, its members.
+    /// Members of every undetermined direction.
     pub undetermined: Vec<Vec<usize>>,
     pub combinations: Vec<Combination>,
     /// The cliff: smallest singular value that counts as nonzero, relative to the largest.
     pub smallest_kept: f64,
-    /// Largest that counts as zero; `None`: all count.
+    /// Largest singular value that counts as zero, relative to the largest; `None`: none does.
     pub largest_dropped: Option<f64>,
     /// How far the estimate is from the minimum of the cost: length of the Gauss-Newton step in
     /// standard errors, |Q^T e| / sigma. Tests and intervals are about the minimum: from about 1 on
@@ -239,7 +239,7 @@ impl<'a> Analysis<'a> {
         }
     }
 
-    /// All free parameters, with some held.
+    /// Tests and intervals of all free parameters, with some held.
     fn infer(&self, held: &[usize]) -> Vec<Conventions> {
         let map = self.holding(held);
         let covariance = &map * self.design.unit_covariance() * map.transpose() * self.sigma2;

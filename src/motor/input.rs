@@ -20,9 +20,9 @@ pub struct Excitation {
     pub duration: f64,
     /// s
     pub sample_time: f64,
-    /// Of levels and hold times.
+    /// Random seed for levels and hold times.
     pub seed: u64,
-    /// Of the measured channels, each against its own power, dB.
+    /// Signal-to-noise ratio of the measured channels, each against its own power, dB.
     pub snr_db: f64,
 }
 

@@ -15,16 +15,16 @@ use crate::identification::LEVEL;
 use crate::identification::adaptive_metropolis::{Settings, sample};
 use crate::statistics::{Convergence, normal_quantile};
 
-/// Of the starts, in standard errors.
+/// Scatter of the starts, in standard errors.
 const SCATTER: f64 = 2.0;
-/// Of a parameter's span, where there is no standard error.
+/// Largest step as a share of a parameter's span; it stands where there is no standard error.
 const SHARE: f64 = 0.05;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Posterior {
     /// Means of the draws; given parameters keep their value.
     pub values: [f64; COUNT],
-    /// Between them lie 99 % of the draws, with equal tails.
+    /// Intervals that hold 99 % of the draws, with equal tails.
     pub intervals: [[f64; 2]; COUNT],
     /// Twice the mass on the rarer side of zero.
     pub p: [f64; COUNT],

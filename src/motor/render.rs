@@ -43,7 +43,7 @@ pub fn text(report: &ScenarioReport) -> String {
     parts.join("\n")
 }
 
-/// The same as a Markdown fragment.
+/// Everything about one scenario, as a Markdown fragment.
 pub fn markdown(report: &ScenarioReport) -> String {
     let mut parts = vec![format!("### {}\n", heading(report).trim_end())];
     parts.extend(report.warnings.iter().map(|w| format!("> {w}\n")));

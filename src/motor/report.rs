@@ -45,10 +45,10 @@ pub struct ScenarioReport {
     pub title: String,
     pub measured: Vec<Channel>,
     pub given: Vec<Given>,
-    /// Of noise and searches.
+    /// Random seed for noise and searches.
     pub seed: u64,
     pub warnings: Vec<String>,
-    /// Per direction the data cannot determine, the parameters in it.
+    /// Parameters in every direction that the data cannot determine.
     pub unidentifiable: Vec<Vec<&'static str>>,
     /// Noise of each measured channel as its second differences show it.
     pub noise: Vec<f64>,
@@ -121,7 +121,7 @@ pub struct CombinationReport {
     #[serde(flatten)]
     pub combination: Combination,
     pub truth: f64,
-    /// Of the truth; absent where that is zero.
+    /// Error relative to the truth, %; absent where that is zero.
     pub error_percent: Option<f64>,
 }
 
@@ -163,7 +163,7 @@ impl Scenario {
     }
 }
 
-/// Both recordings of a scenario.
+/// Recordings of a scenario for identification and for verification.
 pub fn recordings(scenario: &Scenario, seed: u64) -> Result<[Record; 2], MotorError> {
     let clean = |e| Clean::of(&scenario.truth, e).map_err(MotorError::Truth);
     let identification = clean(&scenario.identification)?.for_identification(seed);
@@ -258,7 +258,7 @@ fn report_of(
     })
 }
 
-/// Of the speed.
+/// Goodness of fit of the speed.
 fn goodness(values: &[f64; COUNT], record: &Record) -> Result<Goodness, MotorError> {
     let mut output = Output::default();
     simulate(&Motor::from_array(values), &record.input, Accuracy::SEARCH, &mut output)

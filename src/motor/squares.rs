@@ -11,7 +11,7 @@ pub struct Squares<'a> {
     measured: &'a Output,
     /// 1 / sigma^2 of current and speed, zero where not measured.
     weight: [f64; 2],
-    /// Of current and speed, squared units, each in parts.
+    /// Sums of squared errors of current and speed, squared units, each in parts.
     sums: [[f64; SQUARES]; 2],
     next: usize,
     limit: f64,

@@ -64,14 +64,14 @@ pub struct Counts {
     /// Tests and intervals there were (none for given parameters; no intervals where refused).
     pub tests: usize,
     pub intervals: usize,
-    /// By convention: p <= alpha, and intervals that cover the truth.
+    /// Tests with p <= alpha, and intervals that cover the truth, by convention.
     pub kept: [usize; 3],
     pub covered: [usize; 3],
-    /// Of the truth, %: median and largest over the noises; absent where the truth is zero.
+    /// Error relative to the truth, %: median and largest over the noises; absent where the truth is zero.
     pub error_percent: Option<[f64; 2]>,
 }
 
-/// Where a search ended: all that a study needs of it, and most of its time.
+/// End of a search: all that a study needs of it, and most of its time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Search {
     pub values: [f64; COUNT],

@@ -26,7 +26,7 @@ pub struct Blocks {
     /// ... and here its last whole line ends.
     whole: usize,
     ended: bool,
-    /// Of text, so far.
+    /// Bytes of text that were read so far.
     bytes: u64,
 }
 
@@ -64,7 +64,7 @@ impl Blocks {
         Ok(Some(&mut self.buffer[lines]).filter(|lines| !lines.is_empty()))
     }
 
-    /// All but the first `used` bytes of the `block` that came last are to come again.
+    /// Gives back all but the first `used` bytes of the `block` that came last: they come again.
     pub fn put_back(&mut self, block: usize, used: usize) {
         self.at = self.whole - block + used.min(block);
     }
@@ -74,7 +74,7 @@ impl Blocks {
         &self.buffer[self.whole - block..self.whole]
     }
 
-    /// Of text, so far.
+    /// Bytes of text that were read so far.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }

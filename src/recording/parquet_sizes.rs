@@ -201,9 +201,9 @@ pub fn footer(mut file: &File) -> Result<(), Refused> {
 #[derive(Default)]
 struct Schema {
     elements: u64,
-    /// Of the element that is being read.
+    /// Number of children of the element that is being read.
     children: i64,
-    /// How many are still to come in each group that is open.
+    /// Number of children still to come in each group that is open.
     open: Vec<i64>,
     deepest: usize,
 }

@@ -122,7 +122,7 @@ impl Text {
         Ok(Some(lines))
     }
 
-    /// The same lines, which [`Self::next_lines`] gives afterwards.
+    /// The next whole lines, which [`Self::next_lines`] gives once more.
     pub fn peek_lines(&mut self) -> Result<Option<&[u8]>, RecordingError> {
         let Some(block) = self.next_lines()?.map(<[u8]>::len) else { return Ok(None) };
         self.rest.put_back(block, 0);
@@ -184,9 +184,9 @@ fn refuse_foreign_text(bytes: &[u8], file: &str) -> Result<(), RecordingError> {
 #[derive(Clone)]
 struct Line {
     text: String,
-    /// From 1 in the file.
+    /// Number of the line, from 1 in the file.
     number: usize,
-    /// Where it begins and ends in the block, and the block's length.
+    /// Beginning and end of the line in the block, and the block's length.
     start: usize,
     end: usize,
     block: usize,

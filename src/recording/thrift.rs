@@ -8,7 +8,7 @@ use crate::limits::NESTING;
 /// What a value should be.
 pub enum Shape {
     Bool,
-    /// Of 1, 2, 4 or 8 bytes.
+    /// Integer of 1, 2, 4 or 8 bytes.
     Int(u8),
     Double,
     Bytes,

@@ -25,7 +25,7 @@ impl Qr {
         Self::within(columns, DEPENDENT)
     }
 
-    /// The same where a column of which no more than the share `dependent` is left counts as dependent.
+    /// Decomposes columns; one of which no more than the share `dependent` is left counts as dependent.
     pub fn within(columns: Vec<Vec<f64>>, dependent: f64) -> Self {
         let n = columns.len();
         let mut q = columns;

@@ -31,10 +31,10 @@ pub struct Metric {
     pub joints: Vec<Arc<JointMetric>>,
 }
 
-/// At one joint, for one set of sizes.
+/// Inner products at one joint, for one set of sizes.
 #[derive(Debug)]
 pub struct JointMetric {
-    /// Of every group.
+    /// Step of every group's size on the grid.
     pub steps: Vec<u8>,
     /// Features of groups that are there, with the roots of their sizes.
     active: Vec<(usize, f64)>,
@@ -49,9 +49,9 @@ pub struct JointMetric {
 pub struct Features {
     /// D, one column per feature, a value for each run of rows.
     columns: Vec<Vec<f64>>,
-    /// Where each run begins, and the end.
+    /// First row of each run, and the end.
     runs: Vec<usize>,
-    /// Of each feature.
+    /// Group of each feature.
     pub group: Vec<usize>,
     pub groups: usize,
     /// Largest step of every group.
@@ -106,7 +106,7 @@ impl Features {
         Self::over_runs(&columns, group, groups, (0..=rows).collect())
     }
 
-    /// The same, each column constant over runs of rows at its mean: what is smooth needs no more.
+    /// Features with each column constant over runs of rows, at its mean: what is smooth needs no more.
     /// `runs`: where each begins, and the end.
     pub fn over_runs(
         columns: &[Vec<f64>],
@@ -137,7 +137,7 @@ impl Features {
         self.columns.len()
     }
 
-    /// With group `g` no larger than `most` times the standard deviation of e.
+    /// Keeps group `g` no larger than `most` times the standard deviation of e.
     pub fn bounded(mut self, g: usize, most: f64) -> Self {
         self.largest[g] = (1..=STEPS).rev().find(|s| size(*s) <= most).unwrap_or(0);
         self
@@ -148,7 +148,7 @@ impl Features {
         if self.group.contains(&g) { self.largest[g] } else { 0 }
     }
 
-    /// All columns times a factor.
+    /// Features with all columns times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         let column = |c: &Vec<f64>| c.iter().map(|v| v * factor).collect();
         Self {

@@ -64,7 +64,7 @@ impl Normal {
         Arc::new(Self { columns, y, products })
     }
 
-    /// Of a joint: those of its columns that no other joint has, and what the values `x` of the
+    /// Profile of a joint: those of its columns that no other joint has, and what the values `x` of the
     /// others leave of y, for the random effects there; the rows count as so many.
     pub fn profile<'a>(
         &'a self,
@@ -207,7 +207,7 @@ impl System {
         self.x.len() == other.len() && (0..self.x.len()).all(near)
     }
 
-    /// Of parameter `i`, given the weights.
+    /// Variance of parameter `i`, given the weights.
     pub fn variance(&self, i: usize) -> f64 {
         let mut unit = DVector::zeros(self.columns.len());
         unit[i] = 1.0;
@@ -275,7 +275,7 @@ impl Projected {
         (scale, Cholesky::new(scaled))
     }
 
-    /// Of the new parameters without bounds, given the weights.
+    /// Variances of the new parameters without bounds, given the weights.
     pub fn variances(&self) -> Vec<f64> {
         let (scale, factor) = self.factor();
         let inverse = factor.map(|f| f.inverse());

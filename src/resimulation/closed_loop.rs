@@ -21,7 +21,7 @@ pub struct Replayed {
     pub qd: JointSeries,
     /// rad, as the encoders show it.
     pub shown_q: JointSeries,
-    /// Of the drive at the joint, as the current shows it, N.m.
+    /// Torque of the drive at the joint, as the current shows it, N.m.
     pub torque: JointSeries,
 }
 

@@ -15,7 +15,7 @@ pub struct Errors {
     pub open_loop_rad: f64,
 }
 
-/// Of what the twin did when led along the command, and of the twin driven by the recorded torque.
+/// Errors of what the twin did when led along the command, and of the twin driven by the recorded torque.
 ///
 /// # Errors
 /// If the twin cannot be simulated.

@@ -19,7 +19,7 @@ use crate::robot::{Robot, Workspace, regressor};
 pub struct BaseParameters {
     /// The parameters that stand for their group, by place in [`parameters::of`].
     pub independent: Vec<usize>,
-    /// Those without any torque.
+    /// Parameters that have no effect on any torque, by place in [`parameters::of`].
     pub unseen: Vec<usize>,
     /// G, one row per base parameter.
     pub grouping: DMatrix<f64>,
@@ -33,11 +33,11 @@ const STATES_PER_JOINT: usize = 40;
 /// are none. A right angle that a URDF rounds to 1.5708 rad leaves 4e-6, an offset of 1 mm on an arm of
 /// 1 m leaves 1e-3.
 const ROUNDING: f64 = 1e-4;
-/// Within a link: what the rules group away comes last.
+/// Order of the parameters within a link: what the rules group away comes last.
 const ORDER: [usize; PER_LINK] = [1, 2, 4, 5, 7, 8, 9, 6, 3, 0];
 
 impl BaseParameters {
-    /// Of `robot`; `rotors`: are the joints' rotor inertias to be identified as well?
+    /// Base parameters of `robot`; `rotors`: are the joints' rotor inertias to be identified as well?
     pub fn of(robot: &Robot, rotors: bool) -> Self {
         let dof = robot.dof();
         let leading = if rotors { dof } else { 0 };
@@ -76,12 +76,12 @@ impl BaseParameters {
         self.independent.is_empty()
     }
 
-    /// Their values for a robot's parameters.
+    /// Values of the base parameters for a robot's parameters.
     pub fn values(&self, parameters: &DVector<f64>) -> DVector<f64> {
         &self.grouping * parameters
     }
 
-    /// How large each could be for links of the robot's mass and extent.
+    /// How large each base parameter could be for links of the robot's mass and extent.
     pub fn sizes(&self, robot: &Robot) -> DVector<f64> {
         self.grouping.abs() * parameters::sizes(robot)
     }
@@ -170,7 +170,7 @@ mod tests {
     use super::*;
     use crate::robot::builtin;
 
-    /// Of the rigid body of every UR arm, whose second, third and fourth axes are parallel: 36.
+    /// The rigid body of every UR arm, whose second, third and fourth axes are parallel, has 36.
     #[test]
     fn a_ur_has_thirty_six_base_parameters() {
         for name in ["ur3", "ur5", "ur10", "ur5e", "ur10e"] {

@@ -6,14 +6,14 @@ use nalgebra::DVector;
 
 use crate::robot::{Inertia, Robot};
 
-/// Of one link.
+/// Number of inertial parameters per link.
 pub const PER_LINK: usize = 10;
 
-/// Their names, which [`name`] ends with the link's number.
+/// Names of the parameters, which [`name`] ends with the link's number.
 pub const NAMES: [&str; PER_LINK] =
     ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
-/// `Ixx_2`: of the second link from the base.
+/// Name of parameter `index`; `Ixx_2` is that of the second link from the base.
 pub fn name(index: usize) -> String {
     format!("{}_{}", NAMES[index % PER_LINK], index / PER_LINK + 1)
 }
@@ -26,7 +26,7 @@ pub fn unit(index: usize) -> &'static str {
     }
 }
 
-/// Of all links.
+/// Inertial parameters of all links.
 pub fn of(robot: &Robot) -> DVector<f64> {
     let all = robot.bodies.iter().flat_map(|b| b.inertia.parameters());
     DVector::from_iterator(PER_LINK * robot.dof(), all)

@@ -31,13 +31,13 @@ pub struct Information {
 }
 
 impl Information {
-    /// Of `n` parameters, nothing.
+    /// Information that says nothing of `n` parameters.
     pub fn none(n: usize) -> Self {
         Self { gram: DMatrix::zeros(n, n), pull: DVector::zeros(n) }
     }
 }
 
-/// Of independent rows together.
+/// Adds the information of independent rows.
 impl Add for Information {
     type Output = Self;
 
@@ -46,14 +46,14 @@ impl Add for Information {
     }
 }
 
-/// All links, and how sure they are.
+/// Estimated parameters of all links, and how sure they are.
 #[derive(Debug, Clone)]
 pub struct Estimate {
-    /// As in [`super::parameters::of`].
+    /// Inertial parameters of all links, in the order of [`super::parameters::of`].
     pub parameters: DVector<f64>,
-    /// Those after the base parameters.
+    /// Estimates of the other parameters, after the base parameters.
     pub others: DVector<f64>,
-    /// Of the links' parameters and the others after them.
+    /// Covariance of the links' parameters and the others after them.
     pub covariance: DMatrix<f64>,
     /// Standard deviation of a link's mass from the model's, as a share of it, that the data call for.
     pub spread: f64,
@@ -66,7 +66,7 @@ const TOTAL_MASS: f64 = 1e-3;
 /// Spreads that are tried: from a sound CAD model to links that are off several times.
 const SPREADS: [f64; 12] = [0.005, 0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0];
 const MOST_STEPS: usize = 100;
-/// Of Newton's decrement, nats.
+/// Newton's decrement below which the search ends, nats.
 const SETTLED: f64 = 1e-9;
 
 /// The most probable links beside the `robot`'s own; `total_mass` (kg) of all of them where it is
@@ -82,7 +82,7 @@ pub fn estimate(
     each.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
 }
 
-/// The same where links are known to the share `spread` of their masses.
+/// The most probable links where they are known to the share `spread` of their masses.
 pub fn estimate_within(
     robot: &Robot,
     base: &BaseParameters,
@@ -92,10 +92,10 @@ pub fn estimate_within(
     Problem::new(robot, base, information, None)?.solve(spread)
 }
 
-/// In whitened coordinates of the links, then the others.
+/// The search in whitened coordinates of the links, then the others.
 struct Problem {
     links: usize,
-    /// From coordinates to parameters.
+    /// Matrix from coordinates to parameters.
     map: DMatrix<f64>,
     gram: DMatrix<f64>,
     pull: DVector<f64>,
@@ -163,7 +163,7 @@ impl Problem {
         })
     }
 
-    /// Along a Newton step until the posterior has grown by a share of what its slope says (Armijo).
+    /// Moves along a Newton step until the posterior has grown by a share of what its slope says (Armijo).
     fn forward(
         &self,
         x: &DVector<f64>,
@@ -224,7 +224,7 @@ mod tests {
     use crate::rigid_body::{is_possible, parameters};
     use crate::robot::builtin;
 
-    /// As good as exact data for the base parameters of `truth`.
+    /// Information as good as exact data for the base parameters of `truth`.
     fn told(base: &BaseParameters, truth: &Robot, precision: f64) -> Information {
         let size = base.sizes(truth).map(|s| (precision / s).powi(2));
         let gram = DMatrix::from_diagonal(&size);
@@ -301,7 +301,7 @@ mod tests {
         assert!((mass(&found.parameters) / total - 1.0).abs() < 3e-3);
     }
 
-    /// In one dimension's place: the integral by its own mode expansion for a narrow prior.
+    /// Compares the normaliser of a narrow prior with Laplace's approximation of the integral.
     #[test]
     fn the_normaliser_of_a_narrow_prior_is_laplaces() {
         let g = 4e4;

@@ -12,7 +12,7 @@ use crate::robot::{Inertia, Robot};
 
 type Parameters = [f64; PER_LINK];
 
-/// Of an eigenvalue of a link's spread of mass, relative to their mean, where a model gives none.
+/// Least eigenvalue of a link's spread of mass, relative to their mean, where a model gives none.
 const LEAST_SPREAD: f64 = 1e-3;
 
 /// P of [m, h, I].
@@ -39,8 +39,8 @@ pub fn is_possible(inertia: &Inertia) -> bool {
     matrix(&inertia.parameters()).cholesky().is_some()
 }
 
-/// The same link with an inertia that a body of its mass can have: of its spread of mass about the
-/// centre, eigenvalues that are too small are raised.
+/// This link with an inertia that a body of its mass can have: eigenvalues of its spread of mass about
+/// the centre that are too small are raised.
 pub fn made_possible(inertia: &Inertia) -> Inertia {
     if is_possible(inertia) {
         return *inertia;
@@ -70,7 +70,7 @@ pub fn possible(robot: &Robot) -> (Robot, Vec<usize>) {
 /// Coordinates in which the model's own link is the identity: P = L X L^T with L L^T the model's P.
 #[derive(Debug, Clone)]
 pub struct Frame {
-    /// From coordinates to parameters.
+    /// Matrix from coordinates to parameters.
     pub to_parameters: SMatrix<f64, PER_LINK, PER_LINK>,
 }
 

@@ -113,7 +113,7 @@ impl Inertia {
         Self { mass, com, about_com: about_origin - point_mass(mass, &com) }
     }
 
-    /// The same body seen from the frame that sees its own frame at `placement`.
+    /// This body seen from the frame that sees its own frame at `placement`.
     pub fn seen_from(&self, placement: &Placement) -> Self {
         let r = placement.rotation;
         Self {

@@ -25,7 +25,7 @@ const SLIGHT: f64 = 0.05;
 pub const ROUNDING: f64 = 1e-9;
 /// ... and numbers printed with two digits break the triangle inequality by that much.
 const PRINTED: f64 = 0.01;
-/// By so many times the triangle inequality is broken by a decimal point in the wrong place.
+/// How many times a decimal point in the wrong place breaks the triangle inequality.
 pub const TENFOLD: f64 = 10.0;
 
 /// How principal moments (sorted, kg.m2) stand to those of a rigid body.
@@ -39,11 +39,11 @@ pub enum Moments {
     /// The largest is so many times the others together.
     Absurd(f64),
     Indefinite,
-    /// Larger than of any machine.
+    /// Larger than those of any machine.
     Huge,
 }
 
-/// Of `least <= middle <= most`.
+/// Judges principal moments of inertia, `least <= middle <= most`, kg.m2.
 pub fn moments([least, middle, most]: [f64; 3]) -> Moments {
     let largest = most.abs().max(least.abs());
     let others = least + middle;

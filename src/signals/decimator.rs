@@ -3,7 +3,7 @@
 use super::LowPass;
 use crate::kernels::dot;
 
-/// Of the largest: smaller responses are left off.
+/// Share of the largest response: smaller ones are left off.
 const NEGLIGIBLE: f64 = 1e-9;
 /// Half the samples an impulse is followed for.
 const LONGEST: usize = 4000;
@@ -12,7 +12,7 @@ const LONGEST: usize = 4000;
 /// directions of time. Rows of a regression are few beside samples, and each costs one dot product.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decimator {
-    /// From `reach` samples before to `reach` after.
+    /// Response to an impulse, from `reach` samples before it to `reach` after.
     response: Vec<f64>,
     reach: usize,
 }

@@ -9,7 +9,7 @@ const FIRST: [&[f64]; 4] = [
     &[4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0],
 ];
 
-/// The same for the second derivative: weight of offset 0, then of offsets 1 to 4 (even).
+/// Second derivative from that table: weight of offset 0, then of offsets 1 to 4 (even).
 const SECOND: [(f64, &[f64]); 4] = [
     (-2.0, &[1.0]),
     (-5.0 / 2.0, &[4.0 / 3.0, -1.0 / 12.0]),

@@ -15,7 +15,7 @@ pub struct Rows {
     /// `samples` over the decimation factor: neighbouring rows whose slots differ by 1 are
     /// neighbours in time, others have masked samples between them.
     pub slots: Vec<usize>,
-    /// Of the joint's samples.
+    /// Decimation factor of the joint's samples.
     pub decimation: usize,
 }
 
@@ -66,7 +66,7 @@ impl Samples {
         self.rows_where(&self.mask(joint))
     }
 
-    /// The same for any mask over the samples.
+    /// The rows of a regression on the samples where `mask` is true, decimated.
     pub fn rows_where(&self, mask: &[bool]) -> Rows {
         let decimation = self.decimation();
         let samples: Vec<usize> =

@@ -37,7 +37,7 @@ pub struct Conditioning {
     /// Uniform grid, Hz; `None` takes the recording's own rate (its commonest step, or the mean
     /// step when fewer than four in five agree).
     pub rate_hz: Option<f64>,
-    /// Between recorded instants.
+    /// How values between recorded instants are found.
     pub interpolation: Interpolation,
     /// Steps longer than this many periods are gaps: nothing in or near them is used.
     pub gap_periods: f64,
@@ -47,9 +47,9 @@ pub struct Conditioning {
     /// tracking error alone where [`Derivatives::TrackingError`] is chosen. Well above the torque
     /// cutoff, so that reversals stay sharp: the torque filter then smooths both sides alike.
     pub motion_cutoff_hz: f64,
-    /// The same near standstill, where friction that changes its sign kinks the motion: more noise
-    /// there, but less of the kink smeared over its neighbours. For [`Derivatives::TrackingError`];
-    /// not above the other is as elsewhere.
+    /// Cutoff of that low-pass near standstill, where friction that changes its sign kinks the motion, Hz:
+    /// more noise there, but less of the kink smeared over its neighbours. For
+    /// [`Derivatives::TrackingError`]; one that is not above `motion_cutoff_hz` has no effect.
     pub standstill_cutoff_hz: f64,
     /// Zero-phase low-pass of torque and regressors alike, Hz; 0 is none.
     pub torque_cutoff_hz: f64,
@@ -115,7 +115,7 @@ pub struct Samples {
     pub qdd: JointSeries,
     /// N.m at the joint, drive side.
     pub torque: JointSeries,
-    /// Where velocities are recorded and the motion is made from positions.
+    /// Present where velocities are recorded and the motion is made from positions.
     pub sensed: Option<Sensed>,
     /// deg C, where recorded.
     pub temperature: Option<JointSeries>,

@@ -65,7 +65,7 @@ impl SavitzkyGolay {
     }
 }
 
-/// Of smoothing at `relative` = frequency over sample rate: the weights are even.
+/// Gain of smoothing at `relative` = frequency over sample rate: the weights are even.
 fn gain(half: usize, degree: usize, relative: f64) -> f64 {
     let row = pseudo_inverse(half, degree).row(0).clone_owned();
     let cosine = |i: usize| (TAU * relative * (i as f64 - half as f64)).cos();

@@ -3,7 +3,7 @@
 use super::{Conditioning, SavitzkyGolay, erode};
 use crate::series::JointSeries;
 
-/// Of the polynomials that smooth: their second derivative is a parabola.
+/// Degree of the polynomials that smooth: their second derivative is a parabola.
 const DEGREE: usize = 4;
 /// What counts as near standstill, and how long the change from one smoother to the other takes, s.
 const NEAR_S: f64 = 0.06;

@@ -33,7 +33,7 @@ use crate::simulation::sliding::Sliding;
 
 /// Gauss-Seidel sweeps over the friction constraints of all joints in a step in which one may stick.
 const FRICTION_SWEEPS: usize = 16;
-/// Of the friction constraint: rapier's default (1e6 Hz) lets a sticking joint creep at small steps.
+/// Frequency of the friction constraint: rapier's default (1e6 Hz) lets sticking joints creep at small steps.
 const FRICTION_STIFFNESS_HZ: f64 = 1e12;
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -81,17 +81,17 @@ struct Side {
     a: Vec<f64>,
 }
 
-/// Where a joint's degrees of freedom are.
+/// Indices of a joint's degrees of freedom.
 struct Jointed {
     motor: usize,
-    /// The link's relative to the motor, where the transmission gives way.
+    /// Wind-up of the link relative to the motor, where the transmission gives way.
     wound: Option<Wound>,
 }
 
 struct Wound {
     dof: usize,
     transmission: Transmission,
-    /// Of the hysteresis, -1 to 1.
+    /// State of the hysteresis, -1 to 1.
     z: f64,
 }
 
@@ -328,7 +328,7 @@ impl Jointed {
 }
 
 impl Wound {
-    /// On the link from the motor, N.m; moves the hysteresis on by a step.
+    /// Torque on the link from the motor, N.m; moves the hysteresis on by a step.
     fn torque(&mut self, coordinates: &[f64], velocities: &[f64], step_s: f64) -> f64 {
         let (wind_up, rate) = (-coordinates[self.dof], -velocities[self.dof]);
         let t = &self.transmission;

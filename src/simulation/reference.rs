@@ -1,4 +1,4 @@
-//! The same arm by classical Runge-Kutta, sharing nothing with rapier: the yardstick for accuracy.
+//! The arm by classical Runge-Kutta, sharing nothing with rapier: the yardstick for accuracy.
 //!
 //! Dry friction is set-valued and the mode of each joint is explicit (Karnopp, J. Dynamic Systems,
 //! Measurement, and Control 107(1), 1985, without its velocity band): a joint slides with
@@ -42,7 +42,7 @@ struct State {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Mode {
     Stuck,
-    /// In this direction, -1 or 1.
+    /// Slides in this direction, -1 or 1.
     Sliding(f64),
 }
 
@@ -54,7 +54,7 @@ struct Solution {
 }
 
 impl Reference {
-    /// At rest at `q` (rad) and time 0.
+    /// The arm at rest at `q` (rad) and time 0.
     pub fn new(mechanism: Mechanism, q: &[f64]) -> Self {
         let n = mechanism.robot.dof();
         Self {

@@ -49,7 +49,7 @@ pub struct Simulation {
     mechanism: Mechanism,
     workspace: Workspace,
     effects: Injections,
-    /// The same effects, as the controller's friction feed-forward evaluates them.
+    /// Those effects as the controller's friction feed-forward evaluates them.
     foreseen: Injections,
     now: Buffers,
 }
@@ -73,9 +73,9 @@ struct Buffers {
 /// The arm while it moves, at an instant that is recorded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Glimpse<'a> {
-    /// Since the start of the motion, s.
+    /// Time since the start of the motion, s.
     pub time_s: f64,
-    /// Where the joints are, rad.
+    /// Positions of the joints, rad.
     pub q: &'a [f64],
     /// Motor torque at the joint, N.m.
     pub tau: &'a [f64],
@@ -84,7 +84,7 @@ pub struct Glimpse<'a> {
 /// What one run yields.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// As the sensors show it.
+    /// Recording of the motion as the sensors show it.
     pub recording: Recording,
     pub exact: Exact,
     pub shown: Shown,
@@ -293,7 +293,7 @@ impl Simulation {
         Run { recording, exact, shown, current_noise_a }
     }
 
-    /// The same motion through the sensors once more, with the noise of another `seed`; what noise
+    /// Takes a run's motion through the sensors once more, with the noise of another `seed`; what noise
     /// does through the controller is not repeated.
     pub fn sensed_again(&self, run: &Run, seed: u64, number: u64) -> Run {
         let interval = self.clock.step_s * self.clock.steps_per_sample as f64;

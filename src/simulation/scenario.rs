@@ -23,11 +23,11 @@ pub struct Scenario {
     pub base: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tip: Option<String>,
-    /// Of the sensors' noise; the motions have their own.
+    /// Random seed for the sensors' noise; the motions have their own.
     pub seed: u64,
-    /// Of the recording, Hz.
+    /// Sample rate of the recording, Hz.
     pub rate_hz: f64,
-    /// Of the simulation, s. With an odd number of steps per controller period, recorded samples lie
+    /// Step of the simulation, s. With an odd number of steps per controller period, recorded samples lie
     /// exactly in the middle of a hold; with an even one half a step beside it.
     pub step_s: f64,
     pub drive: DriveTable,
@@ -42,7 +42,7 @@ pub struct Scenario {
     pub thermal: Thermal,
     /// Names of effects whose values may leave the catalogue's range, on purpose.
     pub beyond_range: Vec<String>,
-    /// By name of the catalogue, each with its parameters and, if not all, the `joints` (from 1).
+    /// Effects by name of the catalogue, each with its parameters and, if not all, the `joints` (from 1).
     pub effects: BTreeMap<String, BTreeMap<String, PerJoint>>,
 }
 

@@ -11,8 +11,8 @@ use crate::series::JointSeries;
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Noise {
-    /// Of each joint's current against the mean square of that joint's own current over the
-    /// recording, dB; left out: none.
+    /// Signal-to-noise ratio of each joint's current, against the mean square of that current over the
+    /// recording, dB; left out: no noise.
     pub snr_db: Option<f64>,
     /// Standard deviation, rad.
     pub position_rad: f64,

@@ -12,7 +12,7 @@ use crate::effects::JointLoad;
 pub struct Thermal {
     /// deg C
     pub ambient_c: f64,
-    /// Of every joint to begin with, deg C.
+    /// Temperature of every joint to begin with, deg C.
     pub start_c: f64,
     /// R, steady rise per W of friction heat, K/W.
     pub rise_k_per_w: f64,

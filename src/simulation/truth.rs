@@ -15,7 +15,7 @@ pub const SCHEMA: &str = "armtwin.truth/1";
 pub struct Truth<'a> {
     pub schema: &'static str,
     pub program: Program,
-    /// Of the sensors' noise.
+    /// Random seed for the sensors' noise.
     pub seed: u64,
     pub robot: &'a str,
     pub joints: usize,
@@ -28,7 +28,7 @@ pub struct Truth<'a> {
     pub quantisation: &'a Quantisation,
     pub thermal: &'a Thermal,
     pub recordings: Vec<Recorded<'a>>,
-    /// As read, defaults filled in.
+    /// The scenario as read, defaults filled in.
     pub scenario: &'a Scenario,
 }
 
@@ -43,7 +43,7 @@ pub struct Program {
 #[derive(Debug, Serialize)]
 pub struct Hidden {
     pub effect: &'static str,
-    /// From 1 at the base; empty: the whole arm.
+    /// Joints that it acts on, from 1 at the base; empty: the whole arm.
     pub joints: Vec<usize>,
     pub parameters: Vec<Value>,
 }
@@ -68,7 +68,7 @@ pub struct Recorded<'a> {
 }
 
 impl<'a> Truth<'a> {
-    /// Of a fit and a check recording.
+    /// Truth of a fit and a check recording.
     pub fn new(scenario: &'a Scenario, made: &'a Experiment, fit: &Run, check: &Run) -> Self {
         let setup = &made.setup;
         let recorded = |file, motion, run: &Run| Recorded {

@@ -17,7 +17,7 @@ pub fn block_length(rho: f64, n: usize) -> usize {
 /// one resample, made of blocks of neighbouring rows that wrap around the end (circular blocks:
 /// Politis and Romano, 1992). The same seed gives the same interval. NaN without rows.
 ///
-/// Of correlated rows it promises too much: of the 90 % intervals of the mean of 300 rows, 89 % hold
+/// Intervals from correlated rows are too narrow: of the 90 % intervals of the mean of 300 rows, 89 % hold
 /// it where neighbours are not correlated, 84 % where by 0.5 and 80 % where by 0.8 (1500 rows: 84 %).
 pub fn block_bootstrap(
     n: usize,

@@ -10,17 +10,17 @@ use statrs::distribution::{ContinuousCDF, Normal};
 const LARGEST_R_HAT: f64 = 1.01;
 /// Effective draws wanted per chain (their section 4).
 const FEWEST_PER_CHAIN: f64 = 100.0;
-/// Where the tail is looked at.
+/// Quantiles at which the tails are looked at.
 const TAILS: [f64; 2] = [0.05, 0.95];
 
-/// Of one parameter. All NaN for chains without spread or of fewer than 8 draws.
+/// Convergence of one parameter's chains. All NaN for chains without spread or of fewer than 8 draws.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Convergence {
     /// Rank-normalised split R-hat, the larger of bulk and folded: 1 where chains agree.
     pub r_hat: f64,
     /// Independent draws that would tell the centre as well.
     pub ess_bulk: f64,
-    /// The same for the 5 % and 95 % quantiles.
+    /// Independent draws that would tell the 5 % and 95 % quantiles as well, the smaller number.
     pub ess_tail: f64,
 }
 

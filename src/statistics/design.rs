@@ -18,7 +18,7 @@ pub struct Design {
     basis: DMatrix<f64>,
     /// D^-1 V S^-1, parameters x rank: the pseudo-inverse of J is map Q^T.
     map: DMatrix<f64>,
-    /// Of J D^-1, largest first, zeros included.
+    /// Singular values of J D^-1, largest first, zeros included.
     singular: Vec<f64>,
     undetermined: Vec<Direction>,
     determined: Vec<bool>,
@@ -27,7 +27,7 @@ pub struct Design {
 /// A combination of parameters that leaves the prediction unchanged.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Direction {
-    /// In parameter units, the largest effect on any single column being 1.
+    /// Weight of every parameter, in its unit, the largest effect on any single column being 1.
     pub weights: Vec<f64>,
     /// Indices of the parameters in it.
     pub parameters: Vec<usize>,
@@ -87,7 +87,7 @@ impl Design {
         self.map.ncols()
     }
 
-    /// Of the Jacobian with unit-length columns, largest first; below the tolerance ones included.
+    /// Singular values of the Jacobian with unit-length columns, largest first, also below the tolerance.
     pub fn singular_values(&self) -> &[f64] {
         &self.singular
     }

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use super::autoregression::Autoregression;
 use super::kernel::{dot, zero_filled};
 
-/// Of the number of cosines, B = 0.41 n^(2/3).
+/// Factor in the number of cosines, B = 0.41 n^(2/3).
 const COSINES: f64 = 0.41;
 const FEWEST_COSINES: usize = 4;
 /// The bias correction of [`model_covariance`] stays below this factor.

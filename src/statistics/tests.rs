@@ -143,7 +143,7 @@ fn normal(n: usize, seed: u64) -> Vec<f64> {
     (0..n).map(|_| StandardNormal.sample(&mut rng)).collect()
 }
 
-/// Of variance 1.
+/// First-order autoregression with coefficient `rho` and variance 1.
 fn first_order(n: usize, rho: f64, seed: u64) -> Vec<f64> {
     let mut e = normal(n, seed);
     for t in 1..n {

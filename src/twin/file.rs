@@ -64,7 +64,7 @@ impl Twin {
         Self::parse(&text, path)
     }
 
-    /// From the text of a `TWIN.toml`; `file` is for messages and relative paths.
+    /// Reads the text of a `TWIN.toml`; `file` is for messages and relative paths.
     ///
     /// # Errors
     /// As [`Twin::load`].
@@ -91,7 +91,7 @@ impl Twin {
         Ok(twin)
     }
 
-    /// With the loads and changes that are known, links are still like those of a machine.
+    /// Refuses links that, with the loads and changes that are known, are not like those of a machine.
     fn refuse_absurd_links(&self) -> Result<(), Wrong> {
         let wrong = |key: &str, joint: usize, problem: String| {
             (format!("twin.values.{key}"), format!("is impossible: link {}'s {problem}", joint + 1))
@@ -129,7 +129,7 @@ impl Twin {
         toml::to_string(&contents).unwrap_or_default()
     }
 
-    /// The same for a file at `path`, which names a URDF from its own folder: both can be moved together.
+    /// Text for a file at `path`, which names a URDF from its own folder: both can be moved together.
     pub fn to_toml_at(&self, path: &Path) -> String {
         match named_from(&self.source, path) {
             Some(source) => Self { source, ..self.clone() }.to_toml(),

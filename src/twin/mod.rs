@@ -100,7 +100,7 @@ impl Twin {
         self.mechanism(|_| true).robot
     }
 
-    /// Of the drive, kg.m2 per joint; zero where the effect of that name stands in its place.
+    /// Rotor inertia of the drive, kg.m2 per joint; zero where the effect `rotor_inertia` replaces it.
     fn armature(&self) -> Vec<f64> {
         match self.values.contains_key("rotor_inertia") {
             true => vec![0.0; self.robot.dof()],

@@ -17,9 +17,9 @@ pub struct Album<'a> {
     pub figures: &'a [Figure],
 }
 
-/// Of one line: more are not seen.
+/// Most points of one line: more are not seen.
 const MOST_POINTS: usize = 10_000;
-/// Of the axes at the base, m.
+/// Length of the axes at the base, m.
 const AXIS: f32 = 0.25;
 
 impl Shown for Album<'_> {
@@ -83,7 +83,7 @@ fn log_panels(stream: &RecordingStream, figure: &Figure) -> Result<(), Error> {
     Ok(())
 }
 
-/// Between two stretches a value that is not known leaves a gap.
+/// Logs one line; between two stretches a value that is not known leaves a gap.
 fn log_line(stream: &RecordingStream, entity: &str, line: &Line, title: &str) -> Result<(), Error> {
     let count: usize = line.stretches.iter().map(Vec::len).sum();
     let thin = count.div_ceil(MOST_POINTS).max(1);

@@ -26,7 +26,7 @@ pub struct Look {
     joint: Rgb,
     /// 255 is solid.
     alpha: u8,
-    /// Of all radii, so that coinciding surfaces stay apart.
+    /// Factor on all radii, so that coinciding surfaces stay apart.
     swell: f64,
 }
 

@@ -20,7 +20,7 @@ pub struct Report {
     /// The command that the simulated arm followed: `target_q` or `actual_q`.
     pub followed: &'static str,
     pub joints: Vec<Row>,
-    /// Of rotor inertia and the twin's effects: one value per joint, or one for the arm.
+    /// Values of rotor inertia and of the twin's effects: one per joint, or one for the arm.
     pub values: Vec<Value>,
     pub controller: crate::simulation::ControllerSettings,
     pub conditioning: crate::signals::Conditioning,
@@ -93,7 +93,7 @@ pub const LEGEND: [&str; 3] = [
 ];
 
 impl Row {
-    /// In the order of [`HEADER`].
+    /// Cells of the row in the order of [`HEADER`].
     pub fn cells(&self) -> Vec<String> {
         let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".into());
         let mrad = |rad: f64| format!("{:.2}", 1e3 * rad);

@@ -12,7 +12,7 @@ pub fn section(gap: &Gap) -> String {
     titled("Where: recorded torque less the twin's", &format!("{joints}\n\n{regimes}\n{legend}"))
 }
 
-/// Of all joints; what only some have stands after what they have before it.
+/// Regimes of all joints; what only some have stands after what they have before it.
 fn names(gap: &Gap) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
     for joint in &gap.joints {

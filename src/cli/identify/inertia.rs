@@ -20,10 +20,10 @@ pub struct Summary {
     /// recording tells.
     pub rank: usize,
     pub told: usize,
-    /// Of the base parameters' columns, each in units of what the model's links could have.
+    /// Condition number of the base parameters' columns, each in units of what the model's links could have.
     pub condition: f64,
     pub base: Vec<BaseRow>,
-    /// Per joint, what its rotor inertia cannot be told from; empty where it is alone.
+    /// What each joint's rotor inertia cannot be told from; empty where it is alone.
     pub beside_rotors: Vec<String>,
     /// Parameters without any torque.
     pub unseen: Vec<String>,
@@ -71,7 +71,7 @@ pub struct Value {
 #[derive(Serialize)]
 pub struct Left {
     pub recording: String,
-    /// By the twin as it was given, by base parameters of least squares within their ranges, by the links.
+    /// Left by the twin as given, by base parameters of least squares within their ranges, by the links, N.m.
     pub given_nm: Vec<f64>,
     pub least_squares_nm: Vec<f64>,
     pub links_nm: Vec<f64>,

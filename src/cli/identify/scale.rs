@@ -14,7 +14,7 @@ use crate::twin::Twin;
 
 #[derive(clap::Args)]
 pub struct LoadArgs {
-    /// The same arm with a known load at the flange: tells the drives' torque constants
+    /// Recording of the arm with a known load at the flange: tells the drives' torque constants
     #[arg(long, value_name = "RECORDING", requires = "payload")]
     loaded: Option<PathBuf>,
     /// Mass of that load, kg

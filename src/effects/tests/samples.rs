@@ -52,7 +52,7 @@ pub fn pendulum() -> Robot {
     arm
 }
 
-/// Of every joint, deg C.
+/// Temperature of every joint, deg C.
 const TEMPERATURE_C: f64 = 45.0;
 pub const DT: f64 = 0.02;
 
@@ -98,7 +98,7 @@ impl Samples {
         Motion { temperature: Some(&self.temperature), ..motion }
     }
 
-    /// At every joint, of the values of joint `from` (or of the whole arm).
+    /// Torque at every joint that the values of joint `from` (or of the whole arm) explain, N.m.
     pub fn explained(&self, effect: &dyn Effect, values: &[f64], from: usize) -> JointSeries {
         let (linear, nonlinear) = values.split_at(linear_count(effect));
         let (motion, n) = (self.motion(), self.q.samples());

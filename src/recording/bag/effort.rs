@@ -116,7 +116,7 @@ fn slopes(arm: &Robot, q: &[Vec<f64>], effort: &[Vec<f64>]) -> Option<Slopes> {
     all.filter(|all| !all.is_empty()).map(Slopes)
 }
 
-/// Of measured = s gravity + offset + dry and viscous friction; `None` where gravity explains little.
+/// Fits s of measured = s gravity + offset + dry and viscous friction; `None` where gravity explains little.
 fn slope(gravity: &[f64], speed: &[f64], measured: &[f64]) -> Option<f64> {
     let top = speed.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
     let direction = |v: f64| if v.abs() < 1e-3 * top { 0.0 } else { v.signum() };

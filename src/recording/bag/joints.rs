@@ -15,13 +15,13 @@ const LARGEST: f64 = 1e12;
 pub struct Joints {
     /// Names from base to wrist.
     pub names: Vec<String>,
-    /// Of the last message, and where the arm's joints are among them.
+    /// Names in the last message, and where the arm's joints are among them.
     last: Vec<String>,
     order: Option<Vec<usize>>,
     /// ns
     stamped: Vec<i64>,
     pub logged: Vec<i64>,
-    /// By signal and joint; a signal that is not sent has no joints.
+    /// Values by signal and joint; a signal that is not sent has no joints.
     signals: [Vec<Vec<f64>>; 3],
     /// Joints of the first message that is not the arm's.
     pub strangers: Vec<String>,
@@ -44,7 +44,7 @@ impl Joints {
         self.logged.len()
     }
 
-    /// All signals' together.
+    /// Number of columns of all signals together.
     pub fn columns(&self) -> usize {
         self.signals.iter().map(Vec::len).sum()
     }

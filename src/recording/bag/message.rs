@@ -13,7 +13,7 @@ pub const NUMBERS: &str = "std_msgs/msg/Float64MultiArray";
 /// A message that rosbag2 compressed by itself begins so.
 const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
-/// Of a message that may be compressed by itself, as rosbag2's compression mode "message" does.
+/// Bytes of a message that may be compressed by itself, as rosbag2's compression mode "message" does.
 pub fn unpacked<'m>(
     message: &'m [u8],
     expansion: &mut Expansion,

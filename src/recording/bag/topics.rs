@@ -16,13 +16,13 @@ pub struct Topics<'m> {
     pub file: String,
     map: &'m BagMap,
     topics: Vec<Topic>,
-    /// By name, where among the topics.
+    /// Index among the topics, by name.
     known: HashMap<String, usize>,
-    /// Of the arm, so far.
+    /// How many numbers were kept so far, clocks included.
     kept: usize,
-    /// Of packed messages.
+    /// Bytes of all messages in the file against bytes unpacked from them.
     expansion: Expansion,
-    /// Of the file being read: its number of a topic -> ours.
+    /// Topics of the file being read: its number of a topic -> ours.
     numbers: HashMap<u64, usize>,
 }
 
@@ -36,7 +36,7 @@ struct Topic {
 enum Content {
     Joints(Box<Joints>),
     Numbers(Numbers),
-    /// Not about the arm, or not asked for.
+    /// What is not about the arm, or not asked for.
     Other,
 }
 
@@ -210,7 +210,7 @@ impl Content {
         }
     }
 
-    /// What is kept, clocks included.
+    /// How many numbers are kept, clocks included.
     fn numbers(&self) -> usize {
         match self {
             Self::Joints(joints) => joints.samples() * (joints.columns() + 2),

@@ -12,7 +12,7 @@ pub struct Sampling {
     pub start_s: f64,
     pub duration_s: f64,
     pub mean_hz: f64,
-    /// Of the usual step, gaps left out.
+    /// Sample rate by the usual step, gaps left out, Hz.
     pub nominal_hz: f64,
     pub step_min_s: f64,
     pub step_median_s: f64,

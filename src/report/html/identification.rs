@@ -14,7 +14,7 @@ const MOST_POINTS: usize = 900;
 
 pub struct IdentificationReport<'a> {
     pub results: &'a [MethodResult],
-    /// Of the last method's twin, on the recording it is judged by.
+    /// Curves of the last method's twin, on the recording it is judged by.
     pub joints: &'a [JointCurves],
     /// What the last method found, line by line.
     pub found: &'a [String],
@@ -28,9 +28,9 @@ pub struct IdentificationReport<'a> {
 pub struct JointCurves {
     /// From 1 at the base.
     pub joint: usize,
-    /// In the recording, s.
+    /// Times in the recording, s.
     pub time: Vec<f64>,
-    /// Between neighbouring samples, s; where they are further apart a stretch is left out.
+    /// Time between neighbouring samples, s; where they are further apart a stretch is left out.
     pub step: f64,
     /// rad
     pub position: Vec<f64>,

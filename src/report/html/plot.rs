@@ -86,7 +86,7 @@ pub struct Plot<'a> {
     pub bands: Vec<Band>,
     /// Across and up.
     pub scales: [Scale; 2],
-    /// Over the whole width of the page, and lower.
+    /// Is it as wide as the page, and lower?
     pub whole: bool,
 }
 
@@ -144,7 +144,7 @@ impl Plot<'_> {
             )
     }
 
-    /// Of the points, so that bands do not widen the plot; as the library counts along the axis.
+    /// Range of the points, so that bands do not widen the plot; as the library counts along the axis.
     fn extent(&self) -> Option<[f64; 2]> {
         let values = self.curves.iter().flat_map(|c| &c.x).map(|x| self.scales[0].place(*x));
         let (low, high) = values
@@ -248,8 +248,8 @@ impl Band {
     }
 }
 
-/// Of every of `places` stretches of the same length the least and the largest value, in the order
-/// they come: peaks stay.
+/// Least and largest value of each of `places` stretches of the same length, in the order they come:
+/// peaks stay.
 pub fn thinned(x: &[f64], y: &[f64], places: usize) -> [Vec<f64>; 2] {
     let stretch = y.len().div_ceil(places.max(1)).max(1);
     if stretch <= 2 {
@@ -287,7 +287,7 @@ pub fn with_gaps(time: &[f64], y: &[f64], step: f64, most: usize) -> [Vec<f64>; 
     out
 }
 
-/// To [`DIGITS`] digits.
+/// The number rounded to [`DIGITS`] digits.
 pub fn rounded(x: f64) -> f64 {
     if x == 0.0 || !x.is_finite() {
         return x;

@@ -20,7 +20,7 @@ pub fn forward_dynamics(
     accelerate(robot, ws, qdd);
 }
 
-/// The same with `rotor_inertia` (kg.m2 as seen at each joint) on the diagonal of M(q).
+/// Forward dynamics with `rotor_inertia` (kg.m2 as seen at each joint) on the diagonal of M(q).
 pub fn forward_dynamics_with_rotors(
     robot: &Robot,
     ws: &mut Workspace,

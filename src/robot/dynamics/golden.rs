@@ -31,7 +31,7 @@ struct Case {
     flange_translation: Vec<f64>,
     /// Row by row.
     flange_rotation: Vec<f64>,
-    /// Of the flange's origin, row by row.
+    /// Jacobian of the flange's origin, row by row.
     jacobian: Vec<f64>,
 }
 

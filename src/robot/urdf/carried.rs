@@ -9,7 +9,7 @@ use crate::robot::{Inertia, Placement, RobotError};
 
 #[derive(Debug)]
 pub(super) struct Carried<'a> {
-    /// In the body's frame.
+    /// Inertia of all that is carried, in the body's frame.
     pub inertia: Inertia,
     /// Links fixed to the body, seen from it, and whether nothing is fixed to them in turn.
     pub frames: Vec<(&'a str, Placement, bool)>,
@@ -74,7 +74,7 @@ impl<'a> Carried<'a> {
         Ok(())
     }
 
-    /// Of the base.
+    /// Notes what hangs on the base and is left out.
     pub fn say_left_out(&self, notes: &mut Notes) {
         if !self.held.is_empty() {
             let joints = shortened(&self.held);
@@ -84,7 +84,7 @@ impl<'a> Carried<'a> {
         }
     }
 
-    /// Of a body.
+    /// Notes which links a body carries and which joints are held at zero.
     pub fn say_joined(&self, body: &str, notes: &mut Notes) {
         if self.heavy.is_empty() && self.held.is_empty() {
             return;

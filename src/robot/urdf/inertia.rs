@@ -11,8 +11,8 @@ use crate::robot::{Inertia, RobotError};
 /// kg/m^3, aluminium: hardly a link is denser.
 const DENSITY: f64 = 2700.0;
 
-/// Of `link`, in its own frame; zero without `<inertial>`. A tensor that is far from that of a body
-/// is refused in a link of the `chain`, and left out in one that is only carried along.
+/// Inertia of `link`, in its own frame; zero without `<inertial>`. A tensor that is far from that of a
+/// body is refused in a link of the `chain`, and left out in one that is only carried along.
 pub(super) fn read(link: &Link, chain: bool, notes: &mut Notes) -> Result<Inertia, RobotError> {
     let element = &link.element;
     let Some(inertial) = element.only(element.node, "inertial", notes) else {
@@ -64,7 +64,7 @@ fn mass<'a>(
     Ok(mass)
 }
 
-/// As written, in the axes of the inertial origin.
+/// Inertia tensor as written, in the axes of the inertial origin, kg.m2.
 fn tensor<'a>(
     element: &Element<'a>,
     inertial: Node<'a, 'a>,

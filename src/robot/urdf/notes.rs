@@ -15,12 +15,12 @@ struct Note {
 }
 
 impl Notes {
-    /// Of the robot as a whole.
+    /// Adds a note on the robot as a whole.
     pub fn say(&mut self, text: impl Into<String>) {
         self.0.push(Note { kind: "", names: Vec::new(), text: text.into() });
     }
 
-    /// Of a `link` or `joint`; the same text of several becomes one note.
+    /// Adds a note on a `link` or `joint`; the same text of several becomes one note.
     pub fn of(&mut self, kind: &'static str, name: &str, text: impl Into<String>) {
         let text = text.into();
         match self.0.iter_mut().find(|n| n.kind == kind && n.text == text) {

@@ -45,7 +45,7 @@ pub fn stand(robot: &Robot) -> Option<Placement> {
     Some(Placement { rotation: *rotation.matrix(), ..Placement::identity() })
 }
 
-/// The same with more in it.
+/// URDF of any robot with `more` in it.
 pub fn write_with(robot: &Robot, more: &Additions) -> String {
     let (base, tool) = (&free_name(robot, "base"), &free_name(robot, "tool0"));
     let mut text = String::from("<?xml version=\"1.0\"?>\n");

@@ -19,7 +19,7 @@ pub struct Consistency {
 /// Slower samples may be sticking, where friction is whatever holds the joint.
 const SLIDING_RAD_S: f64 = 0.02;
 
-/// Of a run of `setup` along `command` without any sensor in between.
+/// Consistency of a run of `setup` along `command` without any sensor in between.
 pub fn consistency(setup: &Setup, command: &Trajectory) -> Result<Consistency, SimulationError> {
     let exact = Simulation::new(setup)?.run(command, 0, 0, &mut |_| true)?.exact;
     let interval = setup.clock.step_s * setup.clock.steps_per_sample as f64;

@@ -10,11 +10,11 @@ use crate::simulation::Plant;
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Balance {
     pub step_s: f64,
-    /// Of the motors.
+    /// Work of the motors.
     pub work: f64,
-    /// Kinetic (rotors included) and potential, end against start.
+    /// Kinetic (rotors included) and potential energy, end against start.
     pub stored: f64,
-    /// By dry and viscous friction.
+    /// Heat by dry and viscous friction.
     pub heat: f64,
 }
 
@@ -25,7 +25,7 @@ impl Balance {
     }
 }
 
-/// Over `duration_s` of blindly driven motion with friction.
+/// Energy books over `duration_s` of blindly driven motion with friction.
 pub fn balance(bench: &Bench, duration_s: f64, step_s: f64) -> Result<Balance, AccuracyError> {
     let blind = Blind::new(bench, duration_s)?;
     let mut arm = Plant::new(&bench.mechanism, step_s)?;

@@ -11,7 +11,7 @@ use crate::robot::{Workspace, energy, flange_placement};
 const SECONDS: f64 = 1.5;
 /// Share of the usual push: slow joints too, where friction depends on speed most.
 const PUSH: f64 = 0.4;
-/// As a simulation steps a rigid arm (0.4 ms at most) and one that gives way.
+/// Steps of a simulation of a rigid arm (0.4 ms at most) and of one that gives way, s.
 const STEP_S: f64 = 2.5e-4;
 const ELASTIC_STEP_S: f64 = 1e-4;
 
@@ -109,7 +109,7 @@ fn by_gears(now: &Instant, mechanism: &Mechanism, gears: &mut Gears, h: f64) -> 
     mechanism.transmission.iter().enumerate().map(heat).sum()
 }
 
-/// Of what the motors turn over; measured: up to 3.7e-5.
+/// Share of what the motors turn over that may stay open; measured: up to 3.7e-5.
 const OPEN: f64 = 5e-5;
 
 /// Every effect that loads joints, has mass, turns gravity or gives way. Books that count it a

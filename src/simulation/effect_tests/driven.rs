@@ -10,7 +10,7 @@ pub struct Driven {
     workspace: Workspace,
     temperature: [f64; 6],
     transmitted: [f64; 6],
-    /// Of the usual push.
+    /// Share of the usual push that drives the arm.
     share: f64,
     steps: usize,
 }
@@ -31,7 +31,7 @@ impl Driven {
         Self::pushed(1.0, effect, step_s)
     }
 
-    /// By a `share` of the usual push.
+    /// The arm driven by a `share` of the usual push.
     pub fn pushed(share: f64, effect: Option<&'static dyn Effect>, step_s: f64) -> Self {
         let (mechanism, injections) = injected(effect);
         let mut plant = Plant::new(&mechanism, step_s).unwrap();
@@ -41,7 +41,7 @@ impl Driven {
         Self { mechanism, plant, injections, workspace, temperature, transmitted, share, steps: 0 }
     }
 
-    /// By one step, from the instant that is returned.
+    /// Moves on by one step, from the instant that is returned.
     pub fn step(&mut self) -> Instant {
         let h = self.plant.step_s();
         let time = self.steps as f64 * h;

@@ -23,9 +23,9 @@ use super::{Error, log_error};
 
 /// Stretches that may wait for the viewer.
 const QUEUE: usize = 256;
-/// Of simulated time in one message, s.
+/// Simulated time in one message, s.
 const STRETCH_S: f64 = 0.5;
-/// Until a viewer that is still connected has taken what it was sent.
+/// Longest wait until a viewer that is still connected has taken what it was sent.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 type Job = Box<dyn FnOnce(&RecordingStream) -> Result<(), Error> + Send>;

@@ -118,7 +118,7 @@ fn over_all(t: &JointTraces) -> Markup {
     }
 }
 
-/// Of both twins, of one where they are the same.
+/// Curves of both twins, of one where they are the same.
 fn both<'a>(
     t: &JointTraces,
     curve: impl Fn(&'a str, &'static str, &[f64]) -> Curve<'a>,
@@ -161,7 +161,7 @@ fn time_bands(t: &JointTraces, held: &[bool], step: f64, name: &str) -> Vec<Band
     bands
 }
 
-/// Where regimes hold along the axis `x`: stretches of neighbours in the order of `x`.
+/// Bands where regimes hold along the axis `x`: stretches of neighbours in the order of `x`.
 fn bands(t: &JointTraces, x: &[f64], regimes: &[&str]) -> Vec<Band> {
     let mut order: Vec<usize> = (0..x.len()).filter(|&k| x[k].is_finite()).collect();
     order.sort_by(|a, b| x[*a].total_cmp(&x[*b]));

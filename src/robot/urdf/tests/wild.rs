@@ -20,7 +20,7 @@ const LIMIT: &str = r#"<limit lower="-1" upper="1" velocity="2" effort="30"/>"#;
 const INERTIAL: &str = r#"<inertial><origin xyz="0 0 0.1"/><mass value="2"/>
   <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial>"#;
 
-/// With `what` in place of the usual.
+/// URDF of the usual arm with `instead` in place of its `what`.
 fn arm(what: &str, instead: &str) -> String {
     let usual = [("ORIGIN", ORIGIN), ("AXIS", AXIS), ("LIMIT", LIMIT), ("INERTIAL", INERTIAL)];
     assert!(usual.iter().any(|(name, _)| *name == what), "{what}");
@@ -360,7 +360,7 @@ fn what_cannot_be_read_is_refused_where_it_matters() {
     assert_says(&["joint `lift`", "no <parent"], &refusal(&orphan));
 }
 
-/// The same defects in what stands beside the arm do no harm.
+/// Such defects in what stands beside the arm do no harm.
 #[test]
 fn what_cannot_be_read_does_no_harm_beside_the_arm() {
     let beside = "<link name=\"cart\"><inertial><mass value=\"x\"/></inertial></link>\
