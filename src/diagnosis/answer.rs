@@ -31,6 +31,9 @@ pub struct Diagnosis {
     pub gap: Gap,
     /// Accepted, what takes most off the gap first.
     pub causes: Vec<Cause>,
+    /// In the mended twin and no causes: the intervals of their values hold that they are absent.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub adjustments: Vec<Cause>,
     pub shrink: Shrink,
     /// Every candidate, "none" and "unknown" among them; the probabilities sum to 1.
     pub ranking: Vec<Ranked>,
@@ -56,6 +59,13 @@ pub struct Diagnosis {
     pub criteria: Criteria,
     /// What was noticed on the way, for people.
     pub notes: Vec<String>,
+}
+
+impl Diagnosis {
+    /// What the mended twin has more than the given one.
+    pub fn changes(&self) -> Vec<Cause> {
+        self.causes.iter().chain(&self.adjustments).cloned().collect()
+    }
 }
 
 /// The torque gap, N.m: recorded torque less the twin's, its open parameters fitted.

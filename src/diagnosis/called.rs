@@ -4,7 +4,6 @@ use super::candidate::{Candidate, Place};
 use super::criteria::Criteria;
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, Hypothesis, Standing};
-use super::intervals;
 use super::judge::{Gain, Judge};
 use super::ranking::{is_equal, is_mine, probability};
 use super::search::Found;
@@ -16,12 +15,10 @@ pub struct Called<'a> {
     pub gains: Vec<Gain>,
     /// What both recordings show together, and the fit recording alone does not.
     pub unconfirmed: Vec<Candidate>,
-    /// Candidates whose intervals hold that there is nothing.
-    pub unsure: Vec<Candidate>,
 }
 
-/// Causes that are more probable than not, gain on the check recording, sit at no bound, and have intervals
-/// that exclude their absence: what does not is left out, the weakest first, and the others are seen again
+/// Causes that are more probable than not, gain on the check recording, and sit at no bound: what does not is
+/// left out, the weakest first, and the others are seen again
 /// without it. `blind` is what a search of the fit recording alone finds: where the law is not exact, the
 /// check recording confirms only what it had no part in choosing.
 pub fn called<'a>(
@@ -31,7 +28,7 @@ pub fn called<'a>(
     blind: &[Candidate],
 ) -> Called<'a> {
     let mut fit = found.last.clone();
-    let (mut rejected, mut unconfirmed, mut unsure) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut rejected, mut unconfirmed) = (Vec::new(), Vec::new());
     loop {
         // What costs least to see comes first.
         let count = fit.model.causes.len();
@@ -52,27 +49,12 @@ pub fn called<'a>(
             gains[*i].needs_replication(fit.model.causes[*i].candidate, &search.criteria)
         };
         let is_open = |i: &usize| law(i) && !chosen(i);
-        if let Some(i) = (0..count).filter(is_open).min_by(least) {
-            unconfirmed.push(fit.model.causes[i].candidate);
-            fit = search.without(&fit, i);
-            continue;
-        }
-        let Some(i) = unsure_ones(&fit).into_iter().min_by(least) else {
-            return Called { fit, standings, gains, unconfirmed, unsure };
+        let Some(i) = (0..count).filter(is_open).min_by(least) else {
+            return Called { fit, standings, gains, unconfirmed };
         };
-        unsure.push(fit.model.causes[i].candidate);
+        unconfirmed.push(fit.model.causes[i].candidate);
         fit = search.without(&fit, i);
     }
-}
-
-/// Causes whose intervals hold their absence. What outruns the motion has its values from elsewhere.
-fn unsure_ones(fit: &Fit<'_>) -> Vec<usize> {
-    let values = intervals::of_fit(fit);
-    let unsure = |i: &usize| {
-        let candidate = fit.model.causes[*i].candidate;
-        !candidate.effect.outruns_motion() && intervals::may_be_absent(candidate, &values[*i])
-    };
-    (0..values.len()).filter(unsure).collect()
 }
 
 /// Is the cause, or what looks the same, among these? What acts in the whole arm is also there where it

@@ -191,7 +191,7 @@ fn once(
     let floor = floors[1].clone();
     let findings = verdict::Findings::new(&both, &alone, judge, [&fit, &check], floor, settings);
     let mut answer = findings.answer();
-    let mended = mend(twin, &answer.fitted, &answer.causes);
+    let mended = mend(twin, &answer.fitted, &answer.changes());
     touches::touched(&mended, samples, &mut answer.episodes)?;
     let traces = Traces::new(&findings, &answer);
     Ok((answer, traces))

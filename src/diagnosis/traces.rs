@@ -79,7 +79,7 @@ impl Traces {
     pub(super) fn new(findings: &Findings<'_>, answer: &Diagnosis) -> Self {
         let check: &Observed<'_> = findings.check;
         let (start, after) = (&findings.held.before, &findings.held.after);
-        let mended = mend(check.twin, &answer.fitted, &answer.causes);
+        let mended = mend(check.twin, &answer.fitted, &answer.changes());
         let made = Made {
             check,
             load: transmitted(check.samples, check.twin),

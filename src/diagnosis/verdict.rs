@@ -20,7 +20,7 @@ use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
     Cause, Checked, Diagnosis, Floor, Rejected, RoundEvidence, Scored, Settings, Shrink, Value,
-    Verdict, experiment, gap, intervals, link_masses, links, torque_shrink,
+    Verdict, experiment, gap, intervals, link_masses, links, torque_shrink, words,
 };
 use crate::effects::Role;
 
@@ -37,8 +37,6 @@ pub struct Findings<'a> {
     pub gains: Vec<Gain>,
     /// What both recordings show together, and the fit recording alone does not.
     pub unconfirmed: Vec<Candidate>,
-    /// Candidates whose intervals hold that there is nothing.
-    pub unsure: Vec<Candidate>,
     /// What a search of the fit recording alone says of the check.
     pub held: HeldOut,
     pub fit: &'a Observed<'a>,
@@ -72,7 +70,7 @@ impl<'a> Findings<'a> {
             (alone, found) = with_links;
         }
         let held = HeldOut::new(&alone.last, check);
-        let Called { fit: last, standings, gains, unconfirmed, unsure } =
+        let Called { fit: last, standings, gains, unconfirmed } =
             called(both, &judge, &found, &held.causes);
         let alone = Fit::plain(blind.data, Model::of(fit.twin));
         Self {
@@ -82,7 +80,6 @@ impl<'a> Findings<'a> {
             standings,
             gains,
             unconfirmed,
-            unsure,
             held,
             fit,
             check,
@@ -98,7 +95,7 @@ impl<'a> Findings<'a> {
     }
 
     pub fn answer(&self) -> Diagnosis {
-        let mut causes = self.causes();
+        let [mut causes, adjustments] = self.causes();
         let lag = self.lagging.as_ref().and_then(|l| l.cause(self.settings));
         let sensor_alone = lag.is_some() && causes.is_empty();
         causes.extend(lag);
@@ -122,8 +119,9 @@ impl<'a> Findings<'a> {
             episodes: self.episodes(),
             rounds: self.found.rounds.iter().map(round).collect(),
             criteria: *self.criteria(),
-            notes: self.notes(),
+            notes: self.notes(&adjustments),
             causes,
+            adjustments,
         }
     }
 
@@ -138,14 +136,21 @@ impl<'a> Findings<'a> {
         }
     }
 
-    fn causes(&self) -> Vec<Cause> {
+    /// What is named, and what helps the twin and is not named: the intervals of its values hold that it is
+    /// absent.
+    fn causes(&self) -> [Vec<Cause>; 2] {
         let values = intervals::values(&self.last);
         // Slow torque may say that nothing is there.
         let inside = |i: &usize| values[*i].first().is_none_or(|v| !v.at_bound);
-        let mut all: Vec<Cause> =
-            (0..self.standings.len()).filter(inside).map(|i| self.cause(i, &values[i])).collect();
-        all.sort_by(|a, b| taken(&b.shrink).total_cmp(&taken(&a.shrink)));
-        all
+        let absent =
+            |i: &usize| intervals::may_be_absent(self.last.model.causes[*i].candidate, &values[*i]);
+        let (unsure, sure): (Vec<usize>, Vec<usize>) =
+            (0..self.standings.len()).filter(inside).partition(absent);
+        [sure, unsure].map(|some| {
+            let mut all: Vec<Cause> = some.iter().map(|i| self.cause(*i, &values[*i])).collect();
+            all.sort_by(|a, b| taken(&b.shrink).total_cmp(&taken(&a.shrink)));
+            all
+        })
     }
 
     fn cause(&self, i: usize, values: &[Value]) -> Cause {
@@ -248,16 +253,15 @@ impl<'a> Findings<'a> {
         }
     }
 
-    fn notes(&self) -> Vec<String> {
+    fn notes(&self, adjustments: &[Cause]) -> Vec<String> {
         let mut notes: Vec<String> = self.lagging.iter().map(Lagging::says).collect();
+        notes.extend(adjustments.iter().map(words::adjustment));
         let dropped =
             self.found.last.model.causes.iter().filter(|t| !self.last.model.has(t.candidate));
         for term in dropped {
-            let among = |some: &[Candidate]| some.contains(&term.candidate);
-            let why = match (among(&self.unconfirmed), among(&self.unsure)) {
-                (true, _) => "both recordings together show it, the fit recording alone does not",
-                (_, true) => "the interval of its value holds that there is nothing",
-                _ => "takes nothing sure off the check recording",
+            let why = match self.unconfirmed.contains(&term.candidate) {
+                true => "both recordings together show it, the fit recording alone does not",
+                false => "takes nothing sure off the check recording",
             };
             let name = super::candidate::describe(term.candidate);
             notes.push(format!("{name} fits too, but {why}"));

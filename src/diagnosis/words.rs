@@ -149,6 +149,19 @@ fn value(cause: &Cause) -> String {
     format!("{} {}{unit}{at}{twin}; ", first.name, short(first.value))
 }
 
+/// `torque_constant: torque_gain_error 0.0223 (-0.0528 to 0.0974) helps and is in the mended twin; ...`
+pub fn adjustment(a: &Cause) -> String {
+    let value = foremost(a).map_or(String::new(), |v| {
+        format!(": {} {} ({} to {})", parameter(v), short(v.value), short(v.low), short(v.high))
+    });
+    format!(
+        "{} at {}{value} helps and is in the mended twin; it is not named, for its interval holds that \
+         there is nothing",
+        a.effect,
+        place(&a.joints)
+    )
+}
+
 /// What is told of a cause first: its first value; of many links that of the link that is off the most.
 pub fn foremost(cause: &Cause) -> Option<&Value> {
     let first = cause.parameters.first()?;

@@ -60,7 +60,8 @@ pub fn judge(recording: &Recording, arm: &Arm<'_>) -> Judgement {
     doubts.extend(speed::doubts(recording, scale));
     let torque = motion::torque(recording, &arm.twin.drive, arm.twin.robot.dof());
     let moved = motion::Motion::new(recording, scale, arm.twin.robot.dof());
-    let Some((torque, motion)) = torque.zip(moved) else {
+    // An arm that stands tells one pose, which any reading explains.
+    let Some((torque, motion)) = torque.zip(moved.filter(motion::Motion::slides)) else {
         return Judgement { doubts, slopes: vec![None; arm.twin.robot.dof()] };
     };
     let (of_weight, slopes) = weight::judge(recording, arm, &motion, &torque);

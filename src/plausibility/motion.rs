@@ -4,6 +4,7 @@ use crate::recording::Recording;
 use crate::recording::inspection::step;
 use crate::robot::Drive;
 use crate::series::JointSeries;
+use crate::signals::Conditioning;
 
 /// Instants that are looked at.
 const INSTANTS: usize = 800;
@@ -23,6 +24,12 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// Does any joint move as fast as identification asks for?
+    pub fn slides(&self) -> bool {
+        let standstill = Conditioning::default().standstill_rad_s;
+        (0..self.qd.joints()).any(|j| self.qd.joint(j).iter().any(|qd| qd.abs() > standstill))
+    }
+
     /// From positions alone; `None` without, or from too few rows.
     pub fn new(recording: &Recording, time_scale: f64, dof: usize) -> Option<Self> {
         let q = recording.joints("actual_q").filter(|q| q.joints() == dof)?;

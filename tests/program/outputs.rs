@@ -291,7 +291,7 @@ fn a_full_disk_costs_the_file_and_not_the_answer() {
         ("contacts a.csv --twin twin.toml --json /dev/full", "ontact"),
         ("identify a.csv --method nlse --json /dev/full", "nlse"),
         ("robots --json /dev/full", "ur10e"),
-        (&format!("diagnose --fit a.csv {quick} --json /dev/full"), "Next experiment"),
+        (&format!("diagnose --fit a.csv {quick} --json /dev/full"), "What stays"),
     ] {
         let run = desk.run(line);
         assert_eq!(run.code, 1, "{line}: {}", run.stderr);
@@ -300,8 +300,8 @@ fn a_full_disk_costs_the_file_and_not_the_answer() {
     }
     // The limit stands in for a disk that is full in the middle of a file.
     for (line, answer, file) in [
-        (format!("diagnose --fit a.csv {quick} --out d"), "Next experiment", "d/diagnosis.json"),
-        ("demo --duration 12 --out e".into(), "Next experiment", "e/fit.csv"),
+        (format!("diagnose --fit a.csv {quick} --out d"), "What stays", "d/diagnosis.json"),
+        ("demo --duration 12 --out e".into(), "What stays", "e/fit.csv"),
         ("identify a.csv --method nlse --save-twin t.toml --json i.json".into(), "nlse", "i.json"),
         ("convert a.csv -o c.csv".into(), "", "c.csv"),
         ("convert a.csv -o c.csv.gz".into(), "", "c.csv.gz"),

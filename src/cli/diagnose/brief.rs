@@ -9,7 +9,12 @@ use crate::report::{paragraph, table, to_uncertainty};
 pub fn page(done: &Diagnosed) -> String {
     let d = &done.diagnosis;
     let seconds = done.seconds;
+    let source = |what: &str, r: &super::load::Recorded| {
+        paragraph(&format!("{what:6} "), &r.recording.provenance.source)
+    };
     findings(d)
+        + &source("fit", &done.fit)
+        + &source("check", &done.check)
         + &format!("armtwin {}, seed {}, {seconds:.1} s; ", d.armtwin, done.settings.seed)
         + &format!("{} notes and all tables: --full", d.notes.len())
 }

@@ -150,7 +150,7 @@ pub(super) fn diagnose(
     let spinner = progress::spinner("searching for what the twin lacks");
     let (found, traces) =
         diagnosis::diagnose_traced(&twin, &fit.samples, &check.samples, &settings)?;
-    let mended = mend(&twin, &found.fitted, &found.causes);
+    let mended = mend(&twin, &found.fitted, &found.changes());
     let mut diagnosis = found;
     let mut simulated = Vec::new();
     if simulate {

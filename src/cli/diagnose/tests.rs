@@ -68,6 +68,7 @@ fn by_hand() -> Diagnosis {
         armtwin: "0.0.0".into(),
         verdict: Verdict::Explained,
         gap: Gap { joints: vec![joint(1, 1.0), joint(2, 3.0)] },
+        adjustments: vec![],
         causes: vec![Cause {
             effect: "payload".into(),
             joints: vec![],

@@ -75,6 +75,7 @@ pub(super) fn answer(
         nats: 0.0,
     };
     let diagnosis = Diagnosis {
+        adjustments: vec![],
         schema: String::new(),
         armtwin: String::new(),
         verdict,
