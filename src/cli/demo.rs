@@ -7,13 +7,13 @@ use anyhow::Context;
 
 use super::outputs::{self, Output};
 use super::{diagnose, out, save, simulate, view};
-use crate::diagnosis;
+use crate::diagnosis::{self, Diagnosis};
 use crate::identification::{
     ArmProblem, BoundsByName, Dropped, MethodResult, Settings, Terms, assemble, fitted_twin,
     identify, reduce,
 };
 use crate::recording::Recording;
-use crate::report::table;
+use crate::report::{table, to_uncertainty};
 use crate::signals::condition;
 use crate::simulation::{Experiment, Run, Scenario, Truth};
 use crate::studies::recovery::{Recovered, blank_twin, conditioning, recovered};
@@ -75,6 +75,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     println!("\n3. Diagnose what the identified twin lacks\n");
     let recordings = [&fit, &check].map(|run| run.recording.clone());
     let done = diagnosed(found.open(), recordings, args.seed)?;
+    println!("{}", hidden(&done.diagnosis));
     let truth = Truth::new(&scenario, &made, &fit, &check);
     simulate::write(&args.out, &fit, &check, &truth)?;
     diagnose::write(&done, &args.out)?;
@@ -97,6 +98,19 @@ fn hide(scenario: &mut Scenario) {
     let values = HIDDEN_VALUES.into_iter().chain([("joints", HIDDEN_JOINT as f64)]);
     let table = values.map(|(key, value)| (key.to_string(), PerJoint::All(value)));
     scenario.effects.insert(HIDDEN.into(), table.collect());
+}
+
+/// What was hidden beside what was found of it.
+fn hidden(found: &Diagnosis) -> String {
+    let values = found.causes.iter().filter(|c| c.effect == HIDDEN).flat_map(|c| &c.parameters);
+    let row = |v: &diagnosis::Value| {
+        let (_, truth) = HIDDEN_VALUES.into_iter().find(|(name, _)| *name == v.name)?;
+        let held = if (v.low..=v.high).contains(&truth) { "holds the truth" } else { "MISSES it" };
+        let [value, low, high] = to_uncertainty(v.value, v.low, v.high);
+        Some(vec![v.name.clone(), v.unit.clone(), truth.to_string(), value, low, high, held.into()])
+    };
+    const HEADER: [&str; 7] = ["hidden", "unit", "true", "found", "90 % low", "high", ""];
+    table(&HEADER, 2, values.filter_map(row)) + "\n"
 }
 
 /// Prints the answer.
@@ -154,7 +168,20 @@ impl Found {
             println!("   {term} on joints {}", joints.join(", "));
         }
         println!("\n{}", self.parameters(made));
+        if self.misled(made) {
+            println!(
+                "   At joint {HIDDEN_JOINT} the hidden {HIDDEN} pulls at the friction found: the twin lacks \
+                 it, which no interval can know. Part 3 finds it."
+            );
+        }
         println!("\n{}", self.fits());
+    }
+
+    /// Does an interval miss the truth where the effect is hidden?
+    fn misled(&self, made: &Experiment) -> bool {
+        let last = self.results.last().map(std::slice::from_ref).unwrap_or_default();
+        let missed = |r: &Recovered| !r.within(r.estimate.low, r.estimate.high);
+        recovered(last, made).iter().any(|r| r.joint == HIDDEN_JOINT && missed(r))
     }
 
     fn parameters(&self, made: &Experiment) -> String {

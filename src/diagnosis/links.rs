@@ -36,11 +36,12 @@ pub fn with_links<'a>(all: &Hypotheses<'a>, found: &Found<'a>) -> Option<Found<'
     }
     let group = best.candidate();
     let fit = settled(all, best.fit.clone(), group);
-    let mut more = fit.model.has(group).then(|| grown(all, found.start.clone(), fit))?;
-    let better = worth(all, &more.last) - worth(all, &found.last) > all.criteria.least_nats;
+    let better = worth(all, &fit) - worth(all, &found.last) > all.criteria.least_nats;
+    let mut more =
+        (better && fit.model.has(group)).then(|| grown(all, found.start.clone(), fit))?;
     more.rounds.splice(..0, found.rounds.iter().cloned());
     more.screened.clone_from(&found.screened);
-    (better && more.last.model.has(group)).then_some(more)
+    more.last.model.has(group).then_some(more)
 }
 
 /// Causes that `group` was mistaken for go.
