@@ -44,7 +44,7 @@ pub fn with_links<'a>(all: &Hypotheses<'a>, found: &Found<'a>) -> Option<Found<'
     more.last.model.has(group).then_some(more)
 }
 
-/// Causes that `group` was mistaken for go.
+/// Drops, one after the other, the causes that stood in for `group`.
 fn settled<'a>(all: &Hypotheses<'a>, mut fit: Fit<'a>, group: Candidate) -> Fit<'a> {
     loop {
         let next = revised(all, fit.clone(), vec![group]);
