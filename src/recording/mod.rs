@@ -19,6 +19,7 @@ mod movement_folder;
 mod parquet_file;
 mod parquet_sizes;
 mod rtde_csv;
+mod same;
 mod table;
 mod text;
 mod thrift;
@@ -30,6 +31,7 @@ pub use draft::{Draft, draft};
 pub use error::RecordingError;
 pub use format::{FORMATS, Format, WriteOptions, read, read_by, write, writer};
 pub use rtde_csv::write_csv;
+pub use same::refuse_same;
 pub use text::Delimiter;
 
 use crate::series::JointSeries;
