@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::arm_problem::{ArmProblem, BoundsByName, at_joint, searched};
 use super::error::IdentificationError;
 use super::located::Located;
 use super::problem::{Curve, JointProblem, Parameter, Reduce};
@@ -16,19 +17,6 @@ use crate::robot::Robot;
 use crate::series::JointSeries;
 use crate::signals::{LowPass, Rows, Samples};
 use crate::twin::Twin;
-
-/// Bounds that replace the catalogue's, by parameter name: lower and upper.
-pub type BoundsByName = BTreeMap<String, [f64; 2]>;
-
-/// All joints' problems, and what they share.
-#[derive(Debug, Clone)]
-pub struct ArmProblem {
-    pub joints: Vec<JointProblem>,
-    /// Parameters of the whole arm (payload); every joint has a column for each.
-    pub shared: Vec<Parameter>,
-    /// Per joint, the columns of the shared parameters.
-    pub shared_columns: Vec<Vec<Vec<f64>>>,
-}
 
 /// Builds the problems for the effects in `terms`. What the twin gives values for, and its drive's
 /// rotor inertia unless that is fitted, is subtracted from the torque with the rigid body.
@@ -170,11 +158,6 @@ pub(super) fn with_shared(
         }
     }
     fitted
-}
-
-/// A parameter that one joint has and all joints feel.
-pub(super) fn at_joint(name: &str, joint: usize) -> String {
-    format!("{name}_{}", joint + 1)
 }
 
 /// What the twin knows, N.m: rigid body, rotor inertia, effects with given values; without what is
@@ -407,34 +390,4 @@ fn in_a_row(series: &JointSeries) -> Vec<f64> {
 /// -1, 0 or 1: zero at rest.
 fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
-}
-
-/// A parameter of the catalogue, with the catalogue's bounds.
-pub(super) fn searched(p: &effects::Parameter) -> Parameter {
-    let name = if p.name == "current_offset" { "offset" } else { p.name };
-    Parameter { name: name.into(), unit: p.unit.into(), lower: p.min, upper: p.max }
-}
-
-impl ArmProblem {
-    /// Replaces bounds by name, in every joint.
-    fn set_bounds(&mut self, by_name: &BoundsByName) -> Result<(), IdentificationError> {
-        for (name, &[lower, upper]) in by_name {
-            crate::regression::bounds::check(name, lower, upper)?;
-            let mut found = false;
-            let all = self.joints.iter_mut().flat_map(JointProblem::parameters_mut);
-            for p in all.chain(&mut self.shared).filter(|p| p.name == *name) {
-                (p.lower, p.upper, found) = (lower, upper, true);
-            }
-            if !found {
-                let known = self.parameter_names().join(", ");
-                return Err(IdentificationError::UnknownBound { name: name.clone(), known });
-            }
-        }
-        Ok(())
-    }
-
-    fn parameter_names(&self) -> Vec<&str> {
-        let joint = self.joints.first().map_or(vec![], JointProblem::parameters);
-        joint.into_iter().chain(&self.shared).map(|p| p.name.as_str()).collect()
-    }
 }

@@ -1,8 +1,9 @@
 //! The twin with what was found in it.
 
-use super::arm::Prepared;
-use super::assemble::{ArmProblem, with_shared};
+use super::arm_problem::ArmProblem;
+use super::assemble::with_shared;
 use super::error::IdentificationError;
+use super::prepared::Prepared;
 use super::problem::{Column, JointProblem};
 use super::terms::Terms;
 use super::{MethodResult, separable, shared};

@@ -9,7 +9,8 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector, Vector4};
 use rayon::prelude::*;
 
-use super::assemble::{ArmProblem, reduce};
+use super::arm_problem::ArmProblem;
+use super::assemble::reduce;
 use super::error::IdentificationError;
 use super::judge::{self, LEVEL};
 use super::problem::{JointProblem, Parameter};

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::effects::find;
+use crate::identification::settle::cut;
 
 const DT: f64 = 0.008;
 

@@ -15,7 +15,8 @@
 use serde::Serialize;
 
 use super::Found;
-use super::assemble::{ArmProblem, BoundsByName, assemble, searched};
+use super::arm_problem::{ArmProblem, BoundsByName, searched};
+use super::assemble::assemble;
 use super::error::IdentificationError;
 use super::inertia::{Inertial, share};
 use super::judge::LEVEL;
