@@ -6,7 +6,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, starts};
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts};
 use crate::robot::Placement;
 use crate::series::JointSeries;
 
@@ -79,6 +79,16 @@ impl Effect for Payload {
             let com = Vector3::new(values[1], values[2], values[3]) / mass;
             mechanism.robot = mechanism.robot.with_payload(mass, com, Matrix3::zeros());
         }
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let text = "(2 kg x 0.5 m + 0.1 kg.m) x 9.81 m/s2 + 2 kg (0.55 m)^2 x 3 rad/s2";
+        let values = [("payload_mass", 2.0), ("payload_moment_x", 0.1)];
+        Some(Worked::torque(text, 10.791 + 1.815, &values, [0.0, 0.0, 3.0]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["payload_mass"]))
     }
 }
 

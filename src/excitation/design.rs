@@ -17,8 +17,8 @@ use super::report::{Report, report};
 use super::request::{REST_S, Request};
 use super::scenario::{filled, scenario};
 use super::simulated::simulated;
-use crate::motion::{Envelope, Kind, MotionError, Settings, Trajectory};
-use crate::simulation::{Scenario, ScenarioError, SimulationError};
+use crate::motion::{Envelope, Kind, Settings, Trajectory};
+use crate::simulation::Scenario;
 use crate::twin::Twin;
 
 /// A motion that may be run.

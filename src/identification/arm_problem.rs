@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::error::IdentificationError;
 use super::problem::{JointProblem, Parameter};
-use crate::effects;
+use crate::effects::{self, Size};
 
 /// Bounds that replace the catalogue's, by parameter name: lower and upper.
 pub type BoundsByName = BTreeMap<String, [f64; 2]>;
@@ -48,8 +48,9 @@ pub(super) fn at_joint(name: &str, joint: usize) -> String {
     format!("{name}_{}", joint + 1)
 }
 
-/// A parameter of the catalogue, with the catalogue's bounds.
-pub(super) fn searched(p: &effects::Parameter) -> Parameter {
+/// A parameter of the catalogue, with its bounds on an arm of this size.
+pub(super) fn searched(p: &effects::Parameter, size: &Size) -> Parameter {
     let name = if p.name == "current_offset" { "offset" } else { p.name };
+    let p = p.on(size);
     Parameter { name: name.into(), unit: p.unit.into(), lower: p.min, upper: p.max }
 }

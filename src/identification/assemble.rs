@@ -1,6 +1,5 @@
 //! Samples + twin -> one regression problem per joint.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::arm_problem::{ArmProblem, BoundsByName, at_joint, searched};
@@ -11,7 +10,7 @@ use super::regressors::{Regressor, columns_of};
 use super::terms::Terms;
 use super::{separable, shared};
 use crate::effects::{
-    self, About, CATALOGUE, Effect, Mechanism, Motion, Role, Scope, Seen, Transmission,
+    self, About, CATALOGUE, Effect, Mechanism, Motion, Role, Scope, Seen, Size, Transmission,
 };
 use crate::robot::Robot;
 use crate::series::JointSeries;
@@ -104,7 +103,8 @@ fn assemble_on(
     let known = known_torque(samples, twin, terms);
     let motion = Motion { known: Some(&known), ..twin.motion(samples) };
     let laden = &built.laden();
-    let assembly = Assembly { samples, twin, terms, built, laden, motion, located };
+    let size = Size::of(&twin.robot);
+    let assembly = Assembly { samples, twin, terms, built, laden, motion, located, size };
     let filter = samples.torque_filter()?;
     let reaching = assembly.reaching()?;
     let mut arm = ArmProblem { joints: vec![], shared: vec![], shared_columns: vec![] };
@@ -164,13 +164,7 @@ pub(super) fn with_shared(
 /// fitted.
 fn known_torque(samples: &Samples, twin: &Twin, terms: &Terms) -> JointSeries {
     let mut twin = twin.clone();
-    for name in terms.names() {
-        let parameters = effects::find(name).map_or(&[][..], |e| e.about().parameters);
-        parameters.iter().for_each(|p| drop(twin.values.remove(p.name)));
-    }
-    if terms.contains("rotor_inertia") {
-        twin.drive.rotor_inertia.fill(0.0);
-    }
+    terms.effects().for_each(|effect| twin.forget(effect));
     twin.torque(&twin.motion(samples))
 }
 
@@ -195,6 +189,7 @@ struct Assembly<'a> {
     laden: &'a Robot,
     motion: Motion<'a>,
     located: &'a [Located],
+    size: Size,
 }
 
 impl Assembly<'_> {
@@ -257,10 +252,12 @@ impl Assembly<'_> {
             let from = if scope == Scope::Arm { 0 } else { joint };
             let columns = |n: &[f64]| effect.columns(&motion, joint, n);
             match self.located(effect, from) {
-                Some(l) if l.shows() => all.extend(Regressor::of_tangent(l.tangent(columns))),
+                Some(l) if l.shows() => {
+                    all.extend(Regressor::of_tangent(l.tangent(&self.size, columns)))
+                }
                 Some(_) => {}
                 None => {
-                    let each = linear.map(searched).zip(columns(&nonlinear));
+                    let each = linear.map(|p| searched(p, &self.size)).zip(columns(&nonlinear));
                     all.extend(each.map(|(p, c)| Regressor::linear(p, c)));
                 }
             }
@@ -293,10 +290,10 @@ impl Assembly<'_> {
                     effect.reach(&motion, from, n).iter().map(in_a_row).collect()
                 };
                 let mut own = match self.located(effect, from) {
-                    Some(l) if l.shows() => Regressor::of_tangent(l.tangent(reach)),
+                    Some(l) if l.shows() => Regressor::of_tangent(l.tangent(&self.size, reach)),
                     Some(_) => vec![],
                     None => {
-                        let each = linear.map(searched).zip(reach(&nonlinear));
+                        let each = linear.map(|p| searched(p, &self.size)).zip(reach(&nonlinear));
                         each.map(|(p, c)| Regressor::linear(p, c)).collect()
                     }
                 };
@@ -366,14 +363,14 @@ impl Assembly<'_> {
         };
         let given = self.twin.values.get(exponent.name).and_then(|v| v.get(joint));
         self.curved().then(|| Curve {
-            coulomb: searched(coulomb),
+            coulomb: searched(coulomb, &self.size),
             static_level: Parameter {
                 name: "static".into(),
                 unit: coulomb.unit.into(),
-                lower: coulomb.min,
-                upper: coulomb.max + excess.max,
+                lower: coulomb.on(&self.size).min,
+                upper: coulomb.on(&self.size).max + excess.on(&self.size).max,
             },
-            velocity: searched(velocity),
+            velocity: searched(velocity, &self.size),
             exponent: given.copied().unwrap_or(exponent.typical),
             speed: qd.to_vec(),
             reduce: reduce.clone(),

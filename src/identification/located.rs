@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::arm_problem::searched;
 use super::problem::Parameter;
-use crate::effects::{self, Effect, Role, Scope};
+use crate::effects::{self, Effect, Role, Scope, Size};
 use crate::kernels::axpy;
 use crate::twin::Twin;
 
@@ -71,8 +71,8 @@ impl Located {
         self.linear.iter().any(|a| *a != 0.0)
     }
 
-    /// `columns` gives the linear parameters' columns for nonlinear values.
-    pub fn tangent(&self, columns: impl Fn(&[f64]) -> Vec<Vec<f64>>) -> Tangent {
+    /// On an arm of this size; `columns` gives the linear parameters' columns for nonlinear values.
+    pub fn tangent(&self, size: &Size, columns: impl Fn(&[f64]) -> Vec<Vec<f64>>) -> Tangent {
         let (linear, nonlinear) = (&self.linear[..], &self.nonlinear[..]);
         let torque = |a: &[f64], b: &[f64]| {
             let mut b = b.to_vec();
@@ -89,7 +89,12 @@ impl Located {
         let mut slopes = Vec::new();
         for (k, p) in self.of_role(Role::Linear).enumerate() {
             let series = derivative(linear, k, share, |a| torque(a, nonlinear));
-            slopes.push(Slope { parameter: searched(p), series, centre: 0.0, of: Arc::default() });
+            slopes.push(Slope {
+                parameter: searched(p, size),
+                series,
+                centre: 0.0,
+                of: Arc::default(),
+            });
             axpy(-linear[k], &slopes[k].series, &mut rest);
         }
         let of: Arc<[&'static str]> = self.of_role(Role::Linear).map(|p| p.name).collect();
@@ -97,7 +102,7 @@ impl Located {
         for &k in &self.open {
             let series = derivative(nonlinear, k, share, |b| torque(linear, b));
             let centre = nonlinear[k];
-            let parameter = around(parameters[k], centre);
+            let parameter = around(&parameters[k].on(size), centre);
             slopes.push(Slope { parameter, series, centre, of: of.clone() });
         }
         Tangent { slopes, rest }

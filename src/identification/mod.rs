@@ -46,7 +46,7 @@ pub use posterior::Posterior;
 pub use reduce::{Dropped, reduce};
 pub use settings::{Method, Search, Settings};
 pub use settle::settle;
-pub use terms::{PAPER_LAW, Terms};
+pub use terms::{BESIDE, PAPER_LAW, Terms};
 pub use torque_scale::{Gain, Load, TorqueScale, torque_scale};
 pub use verdict::verdict;
 

@@ -8,7 +8,7 @@ use super::located::{Located, with_located};
 use super::settings::{Method, Settings};
 use super::terms::Terms;
 use super::{Found, separable};
-use crate::effects::{Role, Scope};
+use crate::effects::{Role, Scope, Size};
 use crate::signals::Samples;
 use crate::twin::Twin;
 
@@ -31,11 +31,12 @@ pub fn settle(
     nlse: &separable::Settings,
 ) -> Result<(Twin, Vec<Located>), IdentificationError> {
     let settings = Settings { methods: vec![Method::Nlse], nlse: *nlse, ..Settings::default() };
+    let size = Size::of(&twin.robot);
     for _ in 0..ROUNDS {
         let known = with_located(twin, &located);
         let arm = assemble_around(samples, &known, terms, &BoundsByName::new(), &located)?;
         let found = identify(&arm, None, &settings)?.swap_remove(0).found;
-        let steps: Vec<f64> = located.iter_mut().map(|l| step(l, &arm, &found)).collect();
+        let steps: Vec<f64> = located.iter_mut().map(|l| step(l, &size, &arm, &found)).collect();
         if steps.iter().all(|s| *s < SETTLED) {
             break;
         }
@@ -44,7 +45,7 @@ pub fn settle(
 }
 
 /// Takes over what was found; the largest relative change of a nonlinear parameter.
-fn step(located: &mut Located, arm: &ArmProblem, found: &Found) -> f64 {
+fn step(located: &mut Located, size: &Size, arm: &ArmProblem, found: &Found) -> f64 {
     let value = |name: &str| match located.effect.about().scope {
         Scope::Joint => {
             let k = arm.joints[located.joint].index(name)?;
@@ -68,7 +69,7 @@ fn step(located: &mut Located, arm: &ArmProblem, found: &Found) -> f64 {
     let mut largest = 0.0f64;
     for (own, (p, new)) in located.nonlinear.iter_mut().zip(nonlinear) {
         let Some(new) = new else { continue };
-        let new = p.clamp(cut(*own, new));
+        let new = p.on(size).clamp(cut(*own, new));
         largest = largest.max((new / *own - 1.0).abs());
         *own = new;
     }

@@ -15,7 +15,7 @@ use serde::Deserialize;
 use super::RecordingError;
 use super::bag::BagMap;
 use super::file::cannot;
-use super::scale::Scale;
+use super::scale::{Scale, is_factor};
 use super::text::{Delimiter, Layout};
 use crate::limits::{COLUMNS, read_settings};
 

@@ -4,10 +4,8 @@
 use std::path::Path;
 
 use super::format::{Format, WriteOptions};
-use super::{
-    ColumnMap, Recording, RecordingError, bag, guard, movement_folder, parquet_file, rtde_csv,
-};
-use crate::files::is_stream;
+use super::{ColumnMap, Recording, RecordingError, bag, movement_folder, parquet_file, rtde_csv};
+use crate::files::{guard, is_stream};
 
 /// Text is the last: it reads whatever is left.
 pub const FORMATS: &[&dyn Format] =

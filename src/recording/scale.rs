@@ -34,6 +34,6 @@ impl Scale {
 }
 
 /// Between units; what it multiplies stays a number.
-fn is_factor(scale: f64) -> bool {
+pub fn is_factor(scale: f64) -> bool {
     (1e-15..=1e15).contains(&scale.abs())
 }

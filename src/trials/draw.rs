@@ -5,7 +5,6 @@ use std::path::Path;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use serde::Serialize;
 
 use super::asked::Draw;
 use super::case::{CHECK, FIT, TWIN, case_name, new_folder, write_settings, write_text};
@@ -15,6 +14,7 @@ use super::plan::{Plan, plans};
 use super::third;
 use super::truth::{SCHEMA, place};
 use super::{Hidden, Kind, Seals, TrialError, TrueValue, Truth, seal};
+use crate::diagnosis::Settings;
 use crate::effects::Scope;
 use crate::recording::{Recording, write_csv};
 use crate::simulation::{Command, Injection, Run, Simulation, SimulationError};

@@ -10,7 +10,7 @@ mod scale;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 
 use inertia::Summary;
 use scale::{LoadArgs, Scaled};

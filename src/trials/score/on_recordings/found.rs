@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::super::{Judged, Share};
+use crate::diagnosis::Verdict;
 use crate::text::markdown_table;
 use crate::trials::Kind;
 
