@@ -1,10 +1,10 @@
 //! What a diagnosis rests on, sample by sample: the check recording, before and after the causes.
 
 use super::candidate::Term;
+use super::findings::Findings;
 use super::fit::Fit;
 use super::observed::Observed;
 use super::regimes::{conditions, transmitted};
-use super::verdict::Findings;
 use super::{Diagnosis, Floor, mend};
 use crate::effects::{Effect, Scope, find};
 use crate::regression::Blocks;

@@ -4,8 +4,10 @@ mod markdown;
 mod paragraph;
 mod rounded;
 mod table;
+mod titled;
 
 pub use markdown::markdown_table;
 pub use paragraph::paragraph;
 pub use rounded::to_uncertainty;
 pub use table::table;
+pub use titled::titled;

@@ -234,3 +234,19 @@ fn knots(arrows: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
     }
     found
 }
+
+#[test]
+fn circles_are_seen_through_names_that_are_passed_on() {
+    let a =
+        (Path::new("room/a.rs"), "use super::{Passed, plain::{self, x}};\nuse crate::other::Y;");
+    let b =
+        (Path::new("room/b.rs"), "// use super::c;\npub struct Passed; fn f() { super::a::f() }");
+    let plain = (Path::new("room/plain.rs"), "#[cfg(test)]\nmod tests { use super::super::a; }");
+    let other = (Path::new("other.rs"), "use std::fs;");
+    let mut all = vec![a, b, plain, other];
+    all.push((Path::new("room/mod.rs"), "mod a;\nmod b;\nmod plain;\npub use b::Passed;"));
+    assert_eq!(circles(&all), ["room: a -> b; b -> a"]);
+    all.retain(|(path, _)| !path.ends_with("b.rs"));
+    all.push((Path::new("room/b.rs"), "pub struct Passed;"));
+    assert_eq!(circles(&all), [""; 0]);
+}
