@@ -38,6 +38,7 @@ pub mod signals;
 pub mod simulation;
 pub mod statistics;
 pub mod studies;
+pub mod text;
 pub mod trials;
 pub mod twin;
 #[cfg(feature = "viewer")]

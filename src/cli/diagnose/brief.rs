@@ -1,10 +1,10 @@
 //! A diagnosis on one screen: the answer, where, which causes, how far, what stays, what next.
 
 use super::Diagnosed;
-use super::page::titled;
 use crate::diagnosis::{Cause, Diagnosis, Value, words};
 use crate::report::diagnosis as rows;
 use crate::report::{paragraph, table, to_uncertainty};
+use crate::text::titled;
 
 pub fn page(done: &Diagnosed) -> String {
     let d = &done.diagnosis;

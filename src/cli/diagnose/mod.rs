@@ -15,7 +15,7 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 
 use self::load::Recorded;
 use super::conditioning::ConditioningArgs;
@@ -25,7 +25,7 @@ use super::twin::{Arm, ArmArgs};
 use super::{out, progress, view};
 use crate::diagnosis::{self, Diagnosis, Settings, Traces, mend};
 use crate::effects;
-use crate::recording::Recording;
+use crate::recording::{Recording, refuse_same};
 use crate::series::JointSeries;
 use crate::twin::Twin;
 
@@ -187,9 +187,9 @@ impl Args {
     fn recordings(&self, arm: &Arm) -> anyhow::Result<[Recording; 2]> {
         let read = |path: &Path| self.work.read(path, arm, self.conditioning.floor_hz());
         let Some(check) = &self.check else { return Ok(read(&self.fit)?.halves()) };
-        load::refuse_same_file(&self.fit, check)?;
-        let both = [read(&self.fit)?, read(check)?];
-        load::refuse_same_samples(&both)?;
-        Ok(both)
+        let [fit, check] = [read(&self.fit)?, read(check)?];
+        refuse_same(&fit, &check)
+            .context("--check (leave it out to keep the second half of --fit for that)")?;
+        Ok([fit, check])
     }
 }

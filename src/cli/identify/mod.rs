@@ -10,7 +10,7 @@ mod scale;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 
 use inertia::Summary;
 use scale::{LoadArgs, Scaled};
@@ -25,7 +25,7 @@ use crate::identification::{
     self, ArmProblem, BoundsByName, Dropped, IdentificationError, Inertial, LinkFit, Located,
     Method, MethodResult, Search, Settings, Terms, assemble_around,
 };
-use crate::recording::Recording;
+use crate::recording::{Recording, refuse_same};
 use crate::robot::urdf::{self, Chain};
 use crate::signals::{Conditioning, Samples, condition};
 use crate::twin::Twin;
@@ -163,9 +163,6 @@ pub(super) struct Loaded {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     args.check_inertia()?;
-    if let Some(check) = &args.check {
-        refuse_same_file(&args.recording, check)?;
-    }
     let mut arm = args.arm.load()?;
     arm.scaled = !args.load.is_given();
     let terms = args.terms(&arm.twin)?;
@@ -176,15 +173,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let read = |path: &Path| args.read(path, &arm, &conditioning);
     let fit = if scaled.is_some() { read(&args.recording)? } else { fit };
     let check = args.check.as_deref().map(read).transpose()?;
+    if let Some((check, _)) = &check {
+        refuse_same(&fit.0, check).context("--check")?;
+    }
     let settings = args.settings();
     let twin = arm.twin.clone();
     let (around, located) = locate(&fit.1, &twin, &terms, &settings)?;
     let assembled = |read| args.assembled(read, &around, &terms, &located);
     let mut fit = assembled(fit)?;
     let mut check = check.map(assembled).transpose()?;
-    if let Some(check) = &check {
-        refuse_same_samples(&fit.recording, &check.recording)?;
-    }
     let mut inertial = args.asks_for_inertia().then(|| Inertial::of(&around, &terms));
     if let Some(inertial) = &mut inertial {
         for Loaded { problem, samples, .. } in std::iter::once(&mut fit).chain(&mut check) {
@@ -347,29 +344,6 @@ fn reduce(
 ) -> Result<Vec<Dropped>, IdentificationError> {
     let check = check.map(|c| &mut c.problem);
     identification::reduce(&mut fit.problem, check, &settings.nlse)
-}
-
-fn refuse_same_file(fit: &Path, check: &Path) -> anyhow::Result<()> {
-    if let (Ok(a), Ok(b)) = (fit.canonicalize(), check.canonicalize())
-        && a == b
-    {
-        bail!(
-            "--check {}: is the recording the fit is made on; a check needs another recording",
-            check.display()
-        );
-    }
-    Ok(())
-}
-
-fn refuse_same_samples(fit: &Recording, check: &Recording) -> anyhow::Result<()> {
-    if fit.time == check.time && fit.channels == check.channels {
-        bail!(
-            "--check {}: holds the same samples as {}; a check needs another recording",
-            check.provenance.source,
-            fit.provenance.source
-        );
-    }
-    Ok(())
 }
 
 fn save_twin(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
