@@ -41,7 +41,7 @@ pub use posterior::Posterior;
 pub use reduce::{Dropped, reduce};
 pub use terms::{PAPER_LAW, Terms};
 pub use torque_scale::{Gain, Load, TorqueScale, torque_scale};
-pub use verdict::verdict;
+pub use verdict::{Standing, standing, verdict};
 
 /// What one method found, all joints.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -4,10 +4,12 @@ pub mod diagnosis;
 pub mod html;
 mod markdown;
 mod paragraph;
-mod rounded;
 mod table;
+mod width;
 
 pub use markdown::markdown_table;
 pub use paragraph::paragraph;
-pub use rounded::to_uncertainty;
 pub use table::table;
+pub use width::{broken, width};
+
+pub use crate::numbers::to_uncertainty;
