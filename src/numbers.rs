@@ -26,16 +26,21 @@ fn with_decimals(x: f64, decimals: i32) -> String {
     format!("{x:.*e}", digits.clamp(0, 9) as usize)
 }
 
-/// Three significant digits without trailing zeros.
-pub fn digits(x: f64) -> String {
+/// Three significant digits.
+pub fn significant(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return if x == 0.0 { "0".into() } else { "-".into() };
     }
     let after = (2.0 - x.abs().log10().floor()).max(0.0) as usize;
-    if after > 6 {
-        return format!("{x:.0e}");
+    if after > 6 { format!("{x:.0e}") } else { unsigned_zero(format!("{x:.after$}")) }
+}
+
+/// Three significant digits without trailing zeros.
+pub fn digits(x: f64) -> String {
+    let text = significant(x);
+    if text.contains('e') {
+        return text;
     }
-    let text = unsigned_zero(format!("{x:.after$}"));
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
         false => text,

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::numbers::digits;
+use crate::numbers::significant;
 
 pub struct Bars<'a> {
     pub about: &'a str,
@@ -47,7 +47,7 @@ fn bar(value: Option<f64>, most: f64, name: &str, colour: &str) -> Markup {
     html! {
         div.bar title=(name) {
             i style={ "background: var(" (colour) "); --share: " (format!("{share:.4}")) } {}
-            (digits(value))
+            (significant(value))
         }
     }
 }

@@ -93,24 +93,17 @@ pub fn headline(part: &Part<'_>) -> String {
             100.0 * USEFUL
         );
     };
-    let within = format!("{:.0} %", 100.0 * USEFUL);
-    let needs = match least.is_infinite() {
-        true => "only without noise".into(),
-        false => format!(
-            "where the signal is at least {} above the noise, which {} needs",
-            decibel(*least),
-            label.replace('_', " ")
-        ),
+    let within = format!("within {:.0} % of the truth in nine of ten cases", 100.0 * USEFUL);
+    let noises = match least.is_infinite() {
+        true => "without noise".into(),
+        false => format!("where the signal is at least {} above the noise", decibel(*least)),
     };
     match ranges.len() - useful.len() {
-        0 => format!(
-            "Nine of ten values of every parameter are within {within} of the truth {needs}."
-        ),
-        never => format!(
-            "Nine of ten values are within {within} of the truth for {} of {} parameters {needs}; for {never} \
-             they are not at any noise.",
-            useful.len(),
-            ranges.len()
+        0 => format!("All parameters come back {within} {noises}; {label} needs that most."),
+        _ => format!(
+            "Of {} parameters {} come back {within} {noises}; the others do at no noise that was tried.",
+            ranges.len(),
+            useful.len()
         ),
     }
 }
