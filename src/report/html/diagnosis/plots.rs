@@ -128,7 +128,7 @@ pub fn residuals(d: &Diagnosis, traces: &Traces) -> Markup {
     let worst = moved(traces).map(|t| share(d, t.joint)).fold(0.0, f64::max);
     html! {
         p {
-            "Recorded torque less the twin's on the check recording. Shaded: the regimes of the "
+            "Recorded torque less the twin's on the check recording. Shaded: kinds of motion of the "
             "table above, and in the plot over time the moments after a reversal and contacts."
         }
         (keyed(some, &TORQUE[1..]))
