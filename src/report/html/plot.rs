@@ -3,11 +3,9 @@
 use maud::{Markup, PreEscaped, html};
 use serde_json::{Map, Value, json};
 
-use super::scale::axis;
+use super::scale::{axis, rounded};
 use crate::figure::{Colour, Drawn, Line, Panel, Shaded, thinned};
 
-/// Digits that are kept of a value: a plot is no data store.
-const DIGITS: i32 = 4;
 /// Places along a line where the least and the largest value are kept.
 const PLACES: usize = 300;
 
@@ -183,18 +181,4 @@ fn label(s: &Shaded) -> Value {
         "text": s.name, "xref": "x", "yref": "paper", "x": rounded(0.5 * (s.from + s.to)), "y": 0,
         "yanchor": "bottom", "showarrow": false, "font": { "size": 10, "color": "--quiet" },
     })
-}
-
-/// The number rounded to [`DIGITS`] digits.
-pub fn rounded(x: f64) -> f64 {
-    if x == 0.0 || !x.is_finite() {
-        return x;
-    }
-    let scale = 10f64.powi(DIGITS - 1 - x.abs().log10().floor() as i32);
-    // Division by a power of ten comes out as the nearest short number.
-    if scale >= 1.0 {
-        (x * scale).round() / scale
-    } else {
-        (x * scale).round() * (1.0 / scale).round()
-    }
 }

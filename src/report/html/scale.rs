@@ -2,9 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::plot::rounded;
 use crate::figure::{Panel, Scale};
 
+/// Digits that are kept of a value: a plot is no data store.
+const DIGITS: i32 = 4;
 /// Numbers along an axis of dB at most.
 const TICKS: f64 = 7.0;
 
@@ -105,4 +106,18 @@ fn decibels(low: f64, high: f64, none: f64) -> Vec<(f64, String)> {
         ticks.push((none, "none".into()));
     }
     ticks
+}
+
+/// The number rounded to [`DIGITS`] digits.
+pub fn rounded(x: f64) -> f64 {
+    if x == 0.0 || !x.is_finite() {
+        return x;
+    }
+    let scale = 10f64.powi(DIGITS - 1 - x.abs().log10().floor() as i32);
+    // Division by a power of ten comes out as the nearest short number.
+    if scale >= 1.0 {
+        (x * scale).round() / scale
+    } else {
+        (x * scale).round() * (1.0 / scale).round()
+    }
 }

@@ -5,7 +5,8 @@ use sha2::{Digest, Sha256};
 
 use super::bars::{Bars, Row};
 use super::frame::{LIBRARY, Page, Section};
-use super::plot::{AFTER, BEFORE, Look, plot, rounded};
+use super::plot::{AFTER, BEFORE, Look, plot};
+use super::scale::rounded;
 use crate::figure::{Colour, Drawn, Line, Panel, Shaded};
 
 /// Of `plotly/plotly-basic.min.js` as npm has it (`plotly/README.md`).
