@@ -25,7 +25,7 @@ pub fn open(page: &Path) -> Option<Opened> {
     let profile = TempDir::new().unwrap();
     let run = Command::new(browser)
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr"])
-        .args(["--window-size=1200,20000", "--virtual-time-budget=10000", "--dump-dom"])
+        .args(["--window-size=1200,20000", "--virtual-time-budget=60000", "--dump-dom"])
         .arg(format!("--user-data-dir={}", profile.path().display()))
         .arg(format!("file://{}", page.canonicalize().unwrap().display()))
         .output()
