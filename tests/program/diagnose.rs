@@ -288,7 +288,7 @@ fn what_cannot_be_diagnosed_is_refused() {
         (&["--fit", &still, "--check", &another], "the fit recording: no joint"),
         (&["--fit", "absent.csv"], "absent.csv"),
         (&["--fit", &log], "log.csv"),
-        (&["--fit", &log, "--check", &log], "--check"),
+        (&["--fit", &still, "--check", &still], "--check"),
         (&["--fit", &log, "--without", "gremlins"], "gremlins"),
     ];
     for (arguments, word) in cases {
