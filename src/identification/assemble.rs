@@ -257,8 +257,10 @@ impl Assembly<'_> {
                 }
                 Some(_) => {}
                 None => {
-                    let each = linear.map(|p| searched(p, &self.size)).zip(columns(&nonlinear));
-                    all.extend(each.map(|(p, c)| Regressor::linear(p, c)));
+                    let each = linear.zip(columns(&nonlinear));
+                    let fitted = each.filter(|(p, _)| self.terms.tells(p));
+                    let found = |(p, c)| Regressor::linear(searched(p, &self.size), c);
+                    all.extend(fitted.map(found));
                 }
             }
         }

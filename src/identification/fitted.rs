@@ -51,6 +51,7 @@ pub fn fitted_twin(
             _ => {}
         }
     }
+    fitted.keep_possible();
     Ok(fitted)
 }
 

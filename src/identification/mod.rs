@@ -13,6 +13,7 @@ mod judge;
 pub mod levenberg_marquardt;
 mod links;
 mod located;
+mod payload;
 mod posterior;
 mod prepared;
 pub mod problem;
@@ -38,17 +39,18 @@ pub use arm_problem::{ArmProblem, BoundsByName};
 pub use assemble::{assemble, assemble_around};
 pub use error::IdentificationError;
 pub use fitted::fitted_twin;
-pub use inertia::{Inertial, payload_beside_links};
+pub use inertia::Inertial;
 pub use judge::LEVEL;
 pub use links::{LinkFit, RigidBody};
 pub use located::Located;
+pub use payload::payload_beside_links;
 pub use posterior::Posterior;
 pub use reduce::{Dropped, reduce};
 pub use settings::{Method, Search, Settings};
 pub use settle::settle;
 pub use terms::{BESIDE, PAPER_LAW, Terms};
 pub use torque_scale::{Gain, Load, TorqueScale, torque_scale};
-pub use verdict::verdict;
+pub use verdict::{Standing, standing, verdict};
 
 /// What one method found, all joints.
 #[derive(Debug, Clone, PartialEq, Serialize)]

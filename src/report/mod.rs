@@ -3,4 +3,4 @@
 pub mod diagnosis;
 pub mod html;
 
-pub use crate::text::{markdown_table, paragraph, table, to_uncertainty};
+pub use crate::text::{broken, markdown_table, paragraph, table, to_uncertainty, width};

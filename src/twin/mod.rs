@@ -8,6 +8,7 @@ mod file;
 mod named;
 mod of_drive;
 mod parts;
+mod possible;
 
 #[cfg(test)]
 mod tests;

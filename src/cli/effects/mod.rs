@@ -38,7 +38,7 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let all = || CATALOGUE.iter().map(|e| e.about());
     if args.guide {
-        print!("{}", guide::chapter());
+        out::document(&guide::chapter());
         return Ok(());
     }
     let (effect, json) = args.asked();
