@@ -1,6 +1,7 @@
 //! Output files: under their final name only when whole, over nothing that armtwin did not write
 //! ([`guard`]), and without a trace of them where the program is interrupted.
 
+mod growing;
 pub mod guard;
 
 use std::fs::{self, File, OpenOptions};
@@ -10,6 +11,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
+pub use growing::Growing;
 pub use guard::may_write;
 
 /// Writes through `fill` into a temporary neighbour of `path`, then renames it. Standard output (`-`),

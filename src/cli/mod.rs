@@ -25,11 +25,14 @@ mod motor;
 mod motor_archive;
 mod outputs;
 mod progress;
+mod record;
 mod recordings;
 mod recovery;
 mod robots;
 mod save;
+mod serve;
 mod simulate;
+mod source;
 mod stream;
 mod study;
 mod trial;
@@ -70,8 +73,10 @@ enum Command {
     Man(man::Args),
     Map(map::Args),
     Motor(motor::Args),
+    Record(record::Args),
     Recovery(recovery::Args),
     Robots(robots::Args),
+    Serve(serve::Args),
     Simulate(simulate::Args),
     Study(Box<study::Args>),
     Trial(trial::Args),
@@ -129,8 +134,10 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Man(args) => man::run(&args),
         Command::Map(args) => map::run(&args),
         Command::Motor(args) => motor::run(&args),
+        Command::Record(args) => record::run(&args),
         Command::Recovery(args) => recovery::run(&args),
         Command::Robots(args) => robots::run(&args),
+        Command::Serve(args) => serve::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Study(args) => study::run(&args),
         Command::Trial(args) => trial::run(&args),

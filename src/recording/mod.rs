@@ -13,6 +13,7 @@ mod format;
 mod guard;
 mod halves;
 pub mod inspection;
+mod journal;
 mod mapped_csv;
 mod mend;
 mod movement_folder;
@@ -29,6 +30,7 @@ pub use columns::ColumnMap;
 pub use draft::{Draft, draft};
 pub use error::RecordingError;
 pub use format::{FORMATS, Format, WriteOptions, read, read_by, write, writer};
+pub use journal::{JOURNALED, Journal, journal_of};
 pub use rtde_csv::write_csv;
 pub use text::Delimiter;
 
