@@ -44,3 +44,4 @@ pub mod trials;
 pub mod twin;
 #[cfg(feature = "viewer")]
 pub mod viewer;
+pub mod watch;

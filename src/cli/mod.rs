@@ -39,6 +39,7 @@ mod trial;
 mod twin;
 mod urdf;
 mod view;
+mod watch;
 
 use std::process::ExitCode;
 
@@ -81,6 +82,7 @@ enum Command {
     Study(Box<study::Args>),
     Trial(trial::Args),
     Urdf(urdf::Args),
+    Watch(Box<watch::Args>),
 }
 
 /// All commands and flags, as help, manual pages and completions show them.
@@ -142,5 +144,6 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Study(args) => study::run(&args),
         Command::Trial(args) => trial::run(&args),
         Command::Urdf(args) => urdf::run(&args),
+        Command::Watch(args) => watch::run(&args),
     }
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context, bail};
 
-use crate::live::{Feed, LiveError, News, Pace, Reconnect, RtdeSource, WELCOME, follow, replay};
+use crate::live::{Feed, News, Pace, Reconnect, RtdeSource, WELCOME, follow, replay};
 use crate::recording::{self, ColumnMap};
 use crate::rtde::{self, Wish};
 
@@ -51,9 +51,9 @@ impl SourceArgs {
         &self.from
     }
 
-    /// The file that is read, where it is one: it must not be written over.
-    pub fn file(&self) -> Option<&Path> {
-        self.controller().is_none().then(|| Path::new(&self.from))
+    /// Whether rows come as they are made.
+    pub fn is_live(&self) -> bool {
+        self.controller().is_some() || self.follow
     }
 
     /// Begins to read. `fields` are what a controller is asked for, where the usual ones are not wanted.
@@ -136,11 +136,6 @@ pub fn columns(feed: &Feed, stop: &std::sync::atomic::AtomicBool) -> anyhow::Res
             return Ok(None);
         }
     }
-}
-
-/// Whether a source that ended did so for a reason that a user must know.
-pub fn is_cut(ended: &Result<(), LiveError>) -> bool {
-    ended.is_err()
 }
 
 #[cfg(test)]

@@ -1,0 +1,77 @@
+//! Whitening that needs no learning period: standardised recursive residuals.
+//!
+//! A feature x of block n is predicted from the one before by what all blocks before it say,
+//! x_n = a + b x_{n-1} + e. With z_n = (1, x_{n-1}), the recursive residual
+//! w_n = (x_n - z_n' beta_{n-1}) / sqrt(1 + z_n' (Z'Z)^-1 z_n) (Brown, Durbin and Evans, "Techniques for
+//! testing the constancy of regression relationships over time", J. R. Statist. Soc. B 37, 1975) is
+//! independent of those before, and w_n / s_{n-1} has Student's distribution; through it and the normal
+//! quantile becomes a standard normal number, however few blocks there were (Hawkins, "Self-starting
+//! CUSUM charts for location and scale", The Statistician 36, 1987). So a false-alarm rate holds from
+//! the first number on, without taking estimates for the truth.
+
+use crate::statistics::{normal_quantile, student_two_sided};
+
+/// Blocks that only teach.
+const FEWEST: f64 = 12.0;
+/// No number is farther out: one wild block is no change.
+pub const FARTHEST: f64 = 4.0;
+
+/// One feature's regression on its own past.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SelfStarting {
+    before: Option<f64>,
+    blocks: f64,
+    /// Centre and scale that keep sums well conditioned: the first value.
+    origin: f64,
+    /// Sums over blocks: 1, x_{n-1}, x_{n-1}^2; x_n, x_{n-1} x_n; squared recursive residuals.
+    z: [f64; 3],
+    zx: [f64; 2],
+    squares: f64,
+}
+
+impl SelfStarting {
+    /// A standard normal number where nothing changed; `None` while too little is known.
+    pub fn add(&mut self, x: f64) -> Option<f64> {
+        let Some(before) = self.before else {
+            self.origin = x;
+            self.before = Some(0.0);
+            return None;
+        };
+        let x = x - self.origin;
+        self.before = Some(x);
+        let number = self.residual(before, x);
+        self.z[0] += 1.0;
+        self.z[1] += before;
+        self.z[2] += before * before;
+        self.zx[0] += x;
+        self.zx[1] += before * x;
+        self.blocks += 1.0;
+        number
+    }
+
+    fn residual(&mut self, before: f64, x: f64) -> Option<f64> {
+        let [n, s, ss] = self.z;
+        let det = n * ss - s * s;
+        // Blocks without any spread tell nothing.
+        if n < 3.0 || det <= 1e-12 * n * ss {
+            return None;
+        }
+        let [p, q] = self.zx;
+        let (a, b) = ((ss * p - s * q) / det, (n * q - s * p) / det);
+        let leverage = (ss - 2.0 * s * before + n * before * before) / det;
+        let w = (x - a - b * before) / (1.0 + leverage).sqrt();
+        let (freedom, spread) = (n - 2.0, (self.squares / (n - 2.0)).sqrt());
+        self.squares += w * w;
+        if self.blocks < FEWEST || spread <= 0.0 {
+            return None;
+        }
+        Some(normal(w / spread, freedom))
+    }
+}
+
+/// The standard normal number as far out as `t` is in Student's distribution.
+fn normal(t: f64, freedom: f64) -> f64 {
+    let both_tails = student_two_sided(t, freedom).p;
+    let far = if both_tails > 0.0 { normal_quantile(both_tails) } else { FARTHEST };
+    far.clamp(0.0, FARTHEST).copysign(t)
+}
