@@ -4,6 +4,7 @@
 mod out;
 
 mod accuracy;
+mod alarms;
 mod case_studies;
 mod compare;
 mod completions;
@@ -16,6 +17,7 @@ mod diagnose;
 mod effects;
 mod excite;
 mod export;
+mod history;
 mod identify;
 mod inspect;
 mod interrupt;
@@ -58,6 +60,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Accuracy(accuracy::Args),
+    Alarms(alarms::Args),
     CaseStudies(case_studies::Args),
     Compare(compare::Args),
     Completions(completions::Args),
@@ -69,6 +72,7 @@ enum Command {
     Effects(effects::Args),
     Excite(Box<excite::Args>),
     Export(export::Args),
+    History(history::Args),
     Identify(identify::Args),
     Inspect(inspect::Args),
     Man(man::Args),
@@ -117,6 +121,7 @@ pub fn in_words(error: &anyhow::Error) -> String {
 fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Accuracy(args) => accuracy::run(&args),
+        Command::Alarms(args) => alarms::run(&args),
         Command::CaseStudies(args) => case_studies::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Completions(args) => {
@@ -131,6 +136,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Effects(args) => effects::run(&args),
         Command::Excite(args) => excite::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::History(args) => history::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Man(args) => man::run(&args),

@@ -22,8 +22,8 @@ impl Growing {
     pub fn begin(path: &Path) -> io::Result<Self> {
         let file = OpenOptions::new().write(true).create_new(true).open(path).map_err(|e| {
             let there = e.kind() == ErrorKind::AlreadyExists;
-            let message = "is left of one that did not come to its end; it can be read as it is: keep it \
-                           under another name, or remove it";
+            let message = "it is left of one that did not come to its end, and can be read as it is: keep \
+                           it under another name, or remove it";
             if there { io::Error::new(e.kind(), message) } else { e }
         })?;
         Ok(Self { path: path.into(), out: BufWriter::with_capacity(1 << 16, file) })

@@ -30,7 +30,7 @@ pub struct Arm {
     pub offer: Arc<Offer>,
     robot: Robot,
     drive: Drive,
-    rate_hz: f64,
+    interval_s: f64,
     rounds: Receiver<Round>,
     round: Round,
     /// Where the columns of a round stand in a row of the offer.
@@ -146,7 +146,8 @@ impl Arm {
         watch: &mut dyn FnMut() -> bool,
     ) -> Result<Self, ArmError> {
         let clock = made.setup.clock;
-        let rate_hz = 1.0 / (clock.step_s * clock.steps_per_sample as f64);
+        let interval_s = clock.step_s * clock.steps_per_sample as f64;
+        let rate_hz = (1e6 / interval_s).round() / 1e6;
         let mut stages = vec![Stage::new(0, made, watch)?];
         for (at_s, made) in switched {
             stages.push(Stage::new((at_s * rate_hz).ceil() as u64, made, watch)?);
@@ -162,7 +163,7 @@ impl Arm {
             offer,
             robot: made.setup.robot.clone(),
             drive: made.setup.drive.clone(),
-            rate_hz,
+            interval_s,
             rounds,
             round,
             places,
@@ -173,12 +174,12 @@ impl Arm {
     }
 
     pub fn rate_hz(&self) -> f64 {
-        self.rate_hz
+        self.offer.rate_hz
     }
 
     /// Length of one time through, s.
     pub fn round_s(&self) -> f64 {
-        self.round.time.len() as f64 / self.rate_hz
+        self.round.time.len() as f64 * self.interval_s
     }
 
     /// The next row of the offer and its number.
@@ -196,7 +197,7 @@ impl Arm {
             }
         }
         let k = self.k;
-        self.put("timestamp", &[k as f64 / self.rate_hz]);
+        self.put("timestamp", &[k as f64 * self.interval_s]);
         self.derive();
         self.at += 1;
         self.k += 1;

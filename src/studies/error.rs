@@ -23,6 +23,8 @@ pub enum StudyError {
     #[error(transparent)]
     Diagnosis(#[from] DiagnosisError),
     #[error(transparent)]
+    Watch(#[from] crate::watch::WatchError),
+    #[error(transparent)]
     Motor(#[from] MotorError),
     #[error("[motor] {0}")]
     MotorScenario(#[from] MotorScenarioError),

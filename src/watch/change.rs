@@ -18,30 +18,36 @@ pub struct Answer {
     pub diagnosis: Box<Diagnosis>,
 }
 
-/// Diagnoses what `after` has that `before` had not: what the twin lacked before is mended first, as far as
-/// those minutes tell it.
+/// The twin with what it lacked `before`, as far as those minutes tell it; as it is where they hold too
+/// little motion.
+pub fn usual(twin: &Twin, before: &Recording, settings: &Settings) -> Twin {
+    diagnosed(twin, before, settings)
+        .map_or_else(|_| twin.clone(), |found| mend(twin, &found.fitted, &found.changes()))
+}
+
+/// Diagnoses what `after` has that the arm of the `usual` twin had not.
 ///
 /// # Errors
 /// If the minutes after the change hold too little motion.
 pub fn answer(
-    twin: &Twin,
-    before: &Recording,
+    usual: &Twin,
     after: &Recording,
     alarm: Alarm,
     settings: &Settings,
 ) -> Result<Answer, DiagnosisError> {
-    let of = |twin: &Twin, recording: &Recording| -> Result<Diagnosis, DiagnosisError> {
-        let [fit, check] = samples(recording, twin)?;
-        diagnosis::diagnose(twin, &fit, &check, settings)
-    };
-    let usual = match of(twin, before) {
-        Ok(found) => mend(twin, &found.fitted, &found.changes()),
-        // Too little motion: what is there is taken for new.
-        Err(_) => twin.clone(),
-    };
-    let found = of(&usual, after)?;
+    let found = diagnosed(usual, after, settings)?;
     let says = says(&found);
     Ok(Answer { alarm, says, causes: found.causes.clone(), diagnosis: Box::new(found) })
+}
+
+/// One recording held against the twin: its halves search and decide.
+fn diagnosed(
+    twin: &Twin,
+    recording: &Recording,
+    settings: &Settings,
+) -> Result<Diagnosis, DiagnosisError> {
+    let [fit, check] = samples(recording, twin)?;
+    diagnosis::diagnose(twin, &fit, &check, settings)
 }
 
 /// Both halves, conditioned alike.

@@ -25,7 +25,7 @@ mod stretch;
 mod tests;
 
 pub use blocks::FEATURES;
-pub use change::{Answer, answer};
+pub use change::{Answer, answer, usual};
 pub use cusum::{Cusum, run_length, threshold};
 pub use detector::{Alarm, Detector, Expected};
 pub use figures::{Figure, Figures, Level, REGIMES};

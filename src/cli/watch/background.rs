@@ -4,7 +4,7 @@ use crossbeam::channel::{Receiver, bounded};
 
 use crate::diagnosis::Settings;
 use crate::twin::Twin;
-use crate::watch::{Alarm, Answer, Memory, answer};
+use crate::watch::{Alarm, Answer, Memory, answer, usual};
 
 /// Motion after a change that is waited for before it is diagnosed, s.
 const AFTER_S: f64 = 60.0;
@@ -55,7 +55,8 @@ impl Background {
             // One core at most: the arm is watched meanwhile.
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
             let told = pool.map_err(|e| e.to_string()).and_then(|pool| {
-                let work = || answer(&twin, &before, &after, alarm, &Settings::default());
+                let settings = Settings::default();
+                let work = || answer(&usual(&twin, &before, &settings), &after, alarm, &settings);
                 pool.install(work).map_err(|e| e.to_string())
             });
             // Nobody may be waiting any more.
