@@ -12,7 +12,7 @@ use crate::effects::{self, Effect};
 use crate::report::markdown_table;
 use crate::simulation::Scenario;
 use crate::studies::StudyError;
-use crate::studies::alarms::{Noticed, PASSES, Quiet, Settings, noticed, quiet};
+use crate::studies::alarms::{Base, Noticed, PASSES, Quiet, Settings};
 
 /// Measure how often watching gives a false alarm, how soon it notices a change, and whether it names it
 #[derive(clap::Args)]
@@ -49,18 +49,27 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         motion_s: args.motion,
         ..Settings::default()
     };
+    let going = || !stop.load(Ordering::Relaxed);
     let named = args.scenarios.iter().map(|f| named(f)).collect::<anyhow::Result<Vec<_>>>()?;
-    let quiet = without_a_change(&named[0], &settings, &|| !stop.load(Ordering::Relaxed))?;
-    let bar = progress::counting("effects", named.len() as u64);
-    let all = named.par_iter().map(|(effect, scenario, file)| {
-        if stop.load(Ordering::Relaxed) {
+    let bases = bases(&named, &settings)?;
+    let quiet = without_a_change(&bases[0].1, &settings, &going);
+    let cases: Vec<(&Case, f64)> = named
+        .iter()
+        .flat_map(|case| settings.strengths.iter().map(move |strength| (case, *strength)))
+        .collect();
+    let bar = progress::counting("effects", cases.len() as u64);
+    let measured = |((effect, scenario, file), strength): &(&Case, f64)| {
+        if !going() {
             return Err(StudyError::Table("stopped".into()));
         }
-        let found = noticed(*effect, scenario, file, &settings);
+        let without = without(*effect, scenario);
+        let base = bases.iter().find(|(scenario, _)| *scenario == without).map(|(_, base)| base);
+        let base = base.ok_or_else(|| StudyError::Table("an arm is missing".into()))?;
+        let found = base.noticed(*effect, (scenario, file), *strength, &settings);
         bar.inc(1);
         found
-    });
-    let noticed: Vec<Noticed> = all.collect::<Result<Vec<_>, _>>()?.concat();
+    };
+    let noticed: Vec<Noticed> = cases.par_iter().map(measured).collect::<Result<_, _>>()?;
     bar.finish_and_clear();
     save::page(args.out.as_deref(), &page(&settings, &quiet, &noticed))?;
     if let Some(path) = &args.json {
@@ -81,24 +90,41 @@ fn named(file: &Path) -> anyhow::Result<Case> {
     Ok((effect, Scenario::load(file)?, file.display().to_string()))
 }
 
+fn without(effect: &dyn Effect, scenario: &Scenario) -> Scenario {
+    let mut without = scenario.clone();
+    without.effects.remove(effect.about().name);
+    without
+}
+
+/// Every arm without its effect, once.
+fn bases(named: &[Case], settings: &Settings) -> anyhow::Result<Vec<(Scenario, Base)>> {
+    let mut bases: Vec<(Scenario, Base)> = Vec::new();
+    for (effect, scenario, file) in named {
+        let without = without(*effect, scenario);
+        if bases.iter().all(|(scenario, _)| *scenario != without) {
+            let base = Base::new(&without, file, settings)?;
+            bases.push((without, base));
+        }
+    }
+    Ok(bases)
+}
+
 fn without_a_change(
-    (effect, scenario, file): &Case,
+    base: &Base,
     settings: &Settings,
     going: &(dyn Fn() -> bool + Sync),
-) -> anyhow::Result<Vec<Quiet>> {
-    let mut scenario = scenario.clone();
-    scenario.effects.remove(effect.about().name);
+) -> Vec<Quiet> {
     let most = settings.hours * settings.every_h.len() as f64;
     let bar = progress::counting("hours", most as u64);
-    let minutes = AtomicU64::new(0);
+    let motions = AtomicU64::new(0);
     let watch = |_: f64| {
-        let done = minutes.fetch_add(1, Ordering::Relaxed);
+        let done = motions.fetch_add(1, Ordering::Relaxed);
         bar.set_position((done as f64 * settings.motion_s / 3600.0) as u64);
         going()
     };
-    let found = quiet(&scenario, file, settings, &watch)?;
+    let found = base.quiet(settings, &watch);
     bar.finish_and_clear();
-    Ok(found)
+    found
 }
 
 fn page(settings: &Settings, quiet: &[Quiet], noticed: &[Noticed]) -> String {

@@ -107,73 +107,74 @@ impl Noticed {
     }
 }
 
-/// False alarms of all limits over the same work.
-///
-/// # Errors
-/// If the scenario does not work out.
-pub fn quiet(
-    scenario: &Scenario,
-    file: &str,
-    settings: &Settings,
-    watch: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<Vec<Quiet>, StudyError> {
-    let twin = work::twin(scenario, file, settings)?;
-    let work = Work::new(scenario, file, &twin, settings)?;
-    let sliding = work.sliding();
-    let one = |every_h: &f64| -> Quiet {
-        let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
-        let mut detector = Detector::new(twin.robot.dof(), 3600.0 * every_h);
-        let (mut alarms, mut time) = (0, 0.0);
-        while time < 3600.0 * settings.hours && watch(time) {
-            let stretch = work.next(time, &mut rng);
-            time += work.length_s(&stretch);
-            alarms += usize::from(detector.add(&stretch).is_some());
-        }
-        let limit = detector.expected().limit;
-        Quiet { stated_every_h: *every_h, limit, alarms, hours: time / 3600.0, sliding }
-    };
-    Ok(settings.every_h.par_iter().map(one).collect())
+/// An arm without the effects that are switched on, and its twin.
+pub struct Base {
+    twin: Twin,
+    /// The twin with what it lacks of that arm, if anything.
+    usual: Twin,
+    work: Work,
 }
 
-/// What comes of switching `effect` on, in the strengths of the settings times its scenario's.
-///
-/// # Errors
-/// If the scenario does not work out.
-pub fn noticed(
-    effect: &'static dyn Effect,
-    scenario: &Scenario,
-    file: &str,
-    settings: &Settings,
-) -> Result<Vec<Noticed>, StudyError> {
-    let mut without = scenario.clone();
-    without.effects.remove(effect.about().name);
-    let twin = work::twin(&without, file, settings)?;
-    let before = Work::new(&without, file, &twin, settings)?;
-    let diagnosing = Diagnosing::default();
-    let twin_of_before = usual(&twin, &work::recording(&without, file, settings, 101)?, &diagnosing);
-    let one = |strength: &f64| -> Result<Noticed, StudyError> {
-        let changed = scaled(effect, scenario, *strength)?;
-        let after = Work::new(&changed, file, &twin, settings)?;
-        let delays: Vec<Option<Alarm>> =
-            (0..settings.draws).map(|draw| notice(&before, &after, settings, draw)).collect();
-        let of = work::recording(&changed, file, settings, 102)?;
-        let since = Alarm { joint: 0, feature: 0, more: true, since: 0.0, noticed: 0.0 };
-        let told = answer(&twin_of_before, &of, delays[0].unwrap_or(since), &diagnosing)?;
+impl Base {
+    /// # Errors
+    /// If the scenario does not work out.
+    pub fn new(scenario: &Scenario, file: &str, settings: &Settings) -> Result<Self, StudyError> {
+        let twin = work::twin(scenario, file, settings)?;
+        let work = Work::new(scenario, file, &twin, settings)?;
+        let usual = usual(&twin, &work.recording, &Diagnosing::default());
+        Ok(Self { twin, usual, work })
+    }
+
+    /// False alarms of all limits over the same work. `watch` returns false to stop.
+    pub fn quiet(&self, settings: &Settings, watch: &(dyn Fn(f64) -> bool + Sync)) -> Vec<Quiet> {
+        let (work, sliding) = (&self.work, self.work.sliding());
+        let one = |every_h: &f64| -> Quiet {
+            let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
+            let mut detector = Detector::new(work.joints(), 3600.0 * every_h);
+            let (mut alarms, mut time) = (0, 0.0);
+            while time < 3600.0 * settings.hours && watch(time) {
+                let stretch = work.next(time, &mut rng);
+                time += work.length_s();
+                alarms += usize::from(detector.add(&stretch).is_some());
+            }
+            let limit = detector.expected().limit;
+            Quiet { stated_every_h: *every_h, limit, alarms, hours: time / 3600.0, sliding }
+        };
+        settings.every_h.par_iter().map(one).collect()
+    }
+
+    /// What comes of switching `effect` on, at `strength` times what `scenario` has of it.
+    ///
+    /// # Errors
+    /// If the scenario does not work out.
+    pub fn noticed(
+        &self,
+        effect: &'static dyn Effect,
+        (scenario, file): (&Scenario, &str),
+        strength: f64,
+        settings: &Settings,
+    ) -> Result<Noticed, StudyError> {
+        let changed = scaled(effect, scenario, strength)?;
+        let after = Work::new(&changed, file, &self.twin, settings)?;
+        let draw = |draw| notice(&self.work, &after, settings, draw);
+        let delays: Vec<Option<Alarm>> = (0..settings.draws).map(draw).collect();
+        let nowhere = Alarm { joint: 0, feature: 0, more: true, since: 0.0, noticed: 0.0 };
+        let alarm = delays.first().copied().flatten().unwrap_or(nowhere);
+        let told = answer(&self.usual, &after.recording, alarm, &Diagnosing::default())?;
         let equivalent = told.causes.first().map_or(&[][..], |c| &c.equivalent);
         Ok(Noticed {
             effect: effect.about().name.into(),
-            strength: *strength,
-            over_noise: after.over_noise(&before),
+            strength,
+            over_noise: after.over_noise(&self.work),
             delays_s: delays.iter().map(|a| a.map(|a| a.noticed - settings.before_s)).collect(),
             named: told.causes.iter().map(|c| c.effect.clone()).collect(),
             equivalent: equivalent.iter().map(|e| e.effect.clone()).collect(),
             says: told.says,
         })
-    };
-    settings.strengths.iter().map(one).collect()
+    }
 }
 
-/// The first alarm after the change; those before it count as what they are in [`quiet`].
+/// The first alarm after the change; those before it are false ones, which [`Base::quiet`] counts.
 fn notice(before: &Work, after: &Work, settings: &Settings, draw: u64) -> Option<Alarm> {
     let mut rng = ChaCha8Rng::seed_from_u64(settings.seed + 1000 * (draw + 1));
     let every_s = 3600.0 * settings.delays_every_h;
@@ -182,7 +183,7 @@ fn notice(before: &Work, after: &Work, settings: &Settings, draw: u64) -> Option
     while time < settings.before_s + settings.wait_s {
         let work = if time < settings.before_s { before } else { after };
         let stretch = work.next(time, &mut rng);
-        time += work.length_s(&stretch);
+        time += work.length_s();
         let alarm = detector.add(&stretch);
         if let Some(alarm) = alarm.filter(|a| a.noticed >= settings.before_s) {
             return Some(alarm);

@@ -21,6 +21,8 @@ pub struct Work {
     /// Standard deviation of that noise, N.m, motion by motion and joint by joint.
     noise_nm: Vec<Vec<f64>>,
     motion_s: f64,
+    /// The first motion with all noise, to be diagnosed.
+    pub recording: Recording,
 }
 
 /// What an arm does all day: slow and fast, all joints, with rests.
@@ -30,6 +32,7 @@ fn runs(
     scenario: &Scenario,
     file: &str,
     settings: &Settings,
+    kinds: &[&str],
     seeds: u64,
 ) -> Result<Vec<(Simulation, Run)>, StudyError> {
     let run = |(n, kind): (usize, &&str)| -> Result<(Simulation, Run), StudyError> {
@@ -43,10 +46,10 @@ fn runs(
         let run = simulation.run(&made.fit, settings.seed, 0, &mut |_| true)?;
         Ok((simulation, run))
     };
-    KINDS.iter().enumerate().map(run).collect()
+    kinds.iter().enumerate().map(run).collect()
 }
 
-/// The seeds of the motions of work, of the recording the twin is fitted on, and of those diagnosed.
+/// Seeds of the motions of work, and of the recording the twin is fitted on.
 const WORK: u64 = 31;
 const FITTED_ON: u64 = 71;
 
@@ -57,8 +60,11 @@ impl Work {
         twin: &Twin,
         settings: &Settings,
     ) -> Result<Self, StudyError> {
-        let (mut passes, mut noise_nm) = (Vec::new(), Vec::new());
-        for (simulation, run) in runs(scenario, file, settings, WORK)? {
+        let (mut passes, mut noise_nm, mut recording) = (Vec::new(), Vec::new(), None);
+        for (simulation, run) in runs(scenario, file, settings, &KINDS, WORK)? {
+            recording.get_or_insert(
+                simulation.sensed_again(&run, settings.seed, PASSES + 1).recording,
+            );
             let none = vec![0.0; twin.robot.dof()];
             let pass = |n: u64| -> Result<Stretch, StudyError> {
                 let seen = simulation.sensed_with(&run, Some(&none), settings.seed, n + 1);
@@ -68,7 +74,8 @@ impl Work {
             let noise = run.current_noise_a.iter().enumerate();
             noise_nm.push(noise.map(|(j, a)| a * twin.drive.torque_per_ampere(j)).collect());
         }
-        Ok(Self { passes, noise_nm, motion_s: settings.motion_s })
+        let recording = recording.ok_or_else(|| StudyError::Table("there is no motion".into()))?;
+        Ok(Self { passes, noise_nm, motion_s: settings.motion_s, recording })
     }
 
     pub fn joints(&self) -> usize {
@@ -90,7 +97,7 @@ impl Work {
     }
 
     /// Time that a motion takes, s.
-    pub fn length_s(&self, _: &Stretch) -> f64 {
+    pub fn length_s(&self) -> f64 {
         self.motion_s
     }
 
@@ -122,23 +129,10 @@ impl Work {
     }
 }
 
-/// A recording of such work, with all noise; `draw` is another one.
-pub fn recording(
-    scenario: &Scenario,
-    file: &str,
-    settings: &Settings,
-    draw: u64,
-) -> Result<Recording, StudyError> {
-    // What is diagnosed is the work itself: the last minute of it.
-    let all = runs(scenario, file, settings, WORK)?;
-    let (simulation, run) = &all[0];
-    Ok(simulation.sensed_again(run, settings.seed, draw).recording)
-}
-
 /// The twin, its friction fitted on another motion.
 pub fn twin(scenario: &Scenario, file: &str, settings: &Settings) -> Result<Twin, StudyError> {
     let twin = bare(scenario, file)?;
-    let all = runs(scenario, file, settings, FITTED_ON)?;
+    let all = runs(scenario, file, settings, &KINDS[..1], FITTED_ON)?;
     let recording = &all[0].1.recording;
     let dof = twin.robot.dof();
     let how = conditioning(recording, dof);
