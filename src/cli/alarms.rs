@@ -16,10 +16,12 @@ use crate::studies::alarms::{Base, Noticed, PASSES, Quiet, Settings};
 
 /// Measure how often watching gives a false alarm, how soon it notices a change, and whether it names it
 #[derive(clap::Args)]
-#[command(after_help = "Example: armtwin alarms scenarios/effects/{payload,load_friction}.toml -o docs/alarms.md
+#[command(
+    after_help = "Example: armtwin alarms scenarios/effects/{payload,load_friction}.toml -o docs/alarms.md
 
 Every scenario is named after the effect it hides, which is switched on after a quarter of an hour, at its
-scenario's strength and twice that. Hours without a change are of the first scenario without its effect.")]
+scenario's strength and twice that. Hours without a change are of the first scenario without its effect."
+)]
 pub struct Args {
     /// Scenarios, one per effect, each with the effect's name (payload.toml)
     #[arg(required = true, value_name = "SCENARIO")]
@@ -73,7 +75,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     bar.finish_and_clear();
     save::page(args.out.as_deref(), &page(&settings, &quiet, &noticed))?;
     if let Some(path) = &args.json {
-        let all = serde_json::json!({ "settings": &settings, "quiet": &quiet, "noticed": &noticed });
+        let all =
+            serde_json::json!({ "settings": &settings, "quiet": &quiet, "noticed": &noticed });
         save::json(path, "armtwin.alarms/1", &all)?;
     }
     Ok(())

@@ -35,14 +35,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let events = events(&args.dir)?;
     out::page(&page(&args.dir, &rows, &events));
     if let Some(path) = &args.out {
-        let report = HistoryReport { answer: &answer(&rows, &events), rows: &rows, events: &events };
+        let report =
+            HistoryReport { answer: &answer(&rows, &events), rows: &rows, events: &events };
         save::text(path, &history_report(&report))?;
         println!("{}: with plots, for any browser", path.display());
     }
     if let Some(path) = &args.json {
         let columns: BTreeMap<&str, &Vec<f64>> =
             rows.channels.iter().map(|c| (c.name.as_str(), &c.values)).collect();
-        let all = serde_json::json!({ "timestamp": &rows.time, "columns": columns, "events": events });
+        let all =
+            serde_json::json!({ "timestamp": &rows.time, "columns": columns, "events": events });
         save::json(path, "armtwin.history/1", &all)?;
     }
     Ok(())
@@ -65,13 +67,17 @@ fn read(dir: &Path) -> anyhow::Result<Recording> {
             Some(all) => append(all, &part, path)?,
         }
     }
-    all.with_context(|| format!("{}: no file of `armtwin watch --history` is there yet", dir.display()))
+    all.with_context(|| {
+        format!("{}: no file of `armtwin watch --history` is there yet", dir.display())
+    })
 }
 
 /// `None` for a watching that has just begun.
 fn rows_of(path: &Path) -> anyhow::Result<Option<Recording>> {
     let empty = |text: String| text.lines().count() < 2;
-    if path.extension().is_some_and(|e| e == "csv") && std::fs::read_to_string(path).is_ok_and(empty) {
+    if path.extension().is_some_and(|e| e == "csv")
+        && std::fs::read_to_string(path).is_ok_and(empty)
+    {
         return Ok(None);
     }
     Ok(Some(recording::read(path, None)?))

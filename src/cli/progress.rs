@@ -34,5 +34,6 @@ pub fn spinner(what: &str) -> ProgressBar {
 /// A page that stays where it is and changes when there is something new.
 pub fn calm() -> ProgressBar {
     let style = ProgressStyle::with_template("{msg}");
-    ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
+    ProgressBar::new_spinner()
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
 }

@@ -130,9 +130,14 @@ struct Making<'a> {
 
 impl<'a> Making<'a> {
     fn begin(args: &'a Args, columns: &[String]) -> anyhow::Result<Self> {
-        let [time, names @ ..] = columns else { bail!("{}: it has no columns", args.source.name()) };
+        let [time, names @ ..] = columns else {
+            bail!("{}: it has no columns", args.source.name())
+        };
         if time != "timestamp" {
-            bail!("{}: its first column is {time}, where timestamp is expected", args.source.name());
+            bail!(
+                "{}: its first column is {time}, where timestamp is expected",
+                args.source.name()
+            );
         }
         let mut making = Self {
             args,
@@ -155,7 +160,8 @@ impl<'a> Making<'a> {
         self.finish_file()?;
         self.parts += 1;
         let path = numbered(&self.args.out, self.parts);
-        files::may_write(&path).map_err(|refused| anyhow::anyhow!("{}: {refused}", path.display()))?;
+        files::may_write(&path)
+            .map_err(|refused| anyhow::anyhow!("{}: {refused}", path.display()))?;
         self.journal = Some(Journal::begin(&path, &self.names)?);
         Ok(())
     }
@@ -250,7 +256,9 @@ impl<'a> Making<'a> {
             // A row that came twice.
             Step::Back(0.0) => return Ok(()),
             Step::Back(by) => {
-                eprintln!("note: the controller's clock went back by {by:.3} s: the recording goes on in a new file");
+                eprintln!(
+                    "note: the controller's clock went back by {by:.3} s: the recording goes on in a new file"
+                );
                 self.recorded_s = self.length_s();
                 self.first = None;
                 self.next_file()?;
@@ -282,7 +290,8 @@ impl<'a> Making<'a> {
         self.finish_file()?;
         let mut files = Vec::new();
         for work in self.finishing {
-            let finished = work.join().map_err(|_| anyhow::anyhow!("a file could not be finished"))?;
+            let finished =
+                work.join().map_err(|_| anyhow::anyhow!("a file could not be finished"))?;
             files.push(finished?);
         }
         Ok(Done {

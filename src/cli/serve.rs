@@ -178,8 +178,10 @@ impl Args {
         let mut all = Vec::new();
         for pair in self.at.chunks(2) {
             let [time, effect] = pair else { bail!("--at takes a time and an effect") };
-            let at_s = super::source::seconds(time).map_err(|e| anyhow::anyhow!("--at {time}: {e}"))?;
-            let switch = effect.parse::<Switch>().map_err(|e| anyhow::anyhow!("--at {time} {e}"))?;
+            let at_s =
+                super::source::seconds(time).map_err(|e| anyhow::anyhow!("--at {time}: {e}"))?;
+            let switch =
+                effect.parse::<Switch>().map_err(|e| anyhow::anyhow!("--at {time} {e}"))?;
             all.push((at_s, switch));
         }
         all.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -38,7 +38,9 @@ fn rate(text: &str) -> Result<f64, String> {
 /// A number of seconds, with or without an `s`.
 pub fn seconds(text: &str) -> Result<f64, String> {
     let number = text.trim().trim_end_matches('s').trim().parse::<f64>().ok();
-    number.filter(|s| s.is_finite() && *s >= 0.0).ok_or("give seconds, for example 60 or 60s".into())
+    number
+        .filter(|s| s.is_finite() && *s >= 0.0)
+        .ok_or("give seconds, for example 60 or 60s".into())
 }
 
 impl SourceArgs {
@@ -66,8 +68,12 @@ impl SourceArgs {
             None if self.from.contains("://") => {
                 bail!("--from {}: only rtde://HOST[:PORT] and files are read", self.from)
             }
-            None if self.reconnect => bail!("--reconnect is for rtde:// sources; follow a file with --follow"),
-            None if !fields.is_empty() => bail!("--fields is for rtde:// sources; a file has its own columns"),
+            None if self.reconnect => {
+                bail!("--reconnect is for rtde:// sources; follow a file with --follow")
+            }
+            None if !fields.is_empty() => {
+                bail!("--fields is for rtde:// sources; a file has its own columns")
+            }
             None => self.read(pace),
         }
     }
@@ -90,12 +96,15 @@ impl SourceArgs {
             bail!("--follow and --columns are for files, --from {} is a controller", self.from);
         }
         let names = |list: &[&str]| list.iter().map(ToString::to_string).collect::<Vec<_>>();
-        let mut wish = Wish { rate_hz: self.rate, needed: names(&["timestamp"]), welcome: names(&WELCOME) };
+        let mut wish =
+            Wish { rate_hz: self.rate, needed: names(&["timestamp"]), welcome: names(&WELCOME) };
         if !fields.is_empty() {
             wish.welcome.clear();
             wish.needed.extend(fields.iter().filter(|f| *f != "timestamp").cloned());
             if let Some(unknown) = fields.iter().find(|f| !rtde::is_known(f)) {
-                eprintln!("note: {unknown} is none of the quantities of RTDE known here; asked for all the same");
+                eprintln!(
+                    "note: {unknown} is none of the quantities of RTDE known here; asked for all the same"
+                );
             }
         }
         let address = with_port(host).with_context(|| format!("--from {}", self.from))?;
@@ -121,7 +130,10 @@ fn with_port(host: &str) -> anyhow::Result<String> {
 ///
 /// # Errors
 /// If the source ends before.
-pub fn columns(feed: &Feed, stop: &std::sync::atomic::AtomicBool) -> anyhow::Result<Option<Vec<String>>> {
+pub fn columns(
+    feed: &Feed,
+    stop: &std::sync::atomic::AtomicBool,
+) -> anyhow::Result<Option<Vec<String>>> {
     loop {
         match feed.next(Duration::from_millis(50)) {
             Some(News::Columns(names)) => return Ok(Some(names)),

@@ -9,9 +9,7 @@ use super::LiveError;
 use crate::recording::Recording;
 use crate::robot::{Drive, Robot, body_placements, flange_placement, point_jacobian};
 use crate::rtde::Offer;
-use crate::simulation::{
-    Command, Experiment, Run, Simulation, SimulationError,
-};
+use crate::simulation::{Command, Experiment, Run, Simulation, SimulationError};
 
 /// The motion, and the way back to where it began, each simulated once.
 struct Stage {
@@ -113,7 +111,8 @@ impl Stage {
         match &self.back {
             None => motion,
             Some(back) => {
-                let back = self.simulation.sensed_with(back, Some(noise), seed, 2 * n + 2).recording;
+                let back =
+                    self.simulation.sensed_with(back, Some(noise), seed, 2 * n + 2).recording;
                 joined(motion, &back)
             }
         }

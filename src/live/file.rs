@@ -79,13 +79,16 @@ fn follow_text(path: &PathBuf, out: &Outbox) -> Result<(), LiveError> {
     let file = path.display().to_string();
     let io = |source| RecordingError::Io { file: file.clone(), action: "read", source };
     let mut opened = File::open(path).map_err(io)?;
-    let mut lines = Lines { file: file.clone(), rest: Vec::new(), delimiter: b',', columns: 0, row: 0 };
+    let mut lines =
+        Lines { file: file.clone(), rest: Vec::new(), delimiter: b',', columns: 0, row: 0 };
     let mut buffer = vec![0; 1 << 16];
     let mut read_so_far = 0;
     while !out.stopped() {
         let length = opened.metadata().map_err(io)?.len();
         if length < read_so_far {
-            return Err(LiveError::Follow(format!("{file}: it was cut or begun anew while it was followed")));
+            return Err(LiveError::Follow(format!(
+                "{file}: it was cut or begun anew while it was followed"
+            )));
         }
         if length == read_so_far {
             wait(out, LOOKS);
@@ -133,9 +136,13 @@ impl Lines {
             return self.header(line, out);
         }
         let cells = self.cells(line);
-        let row: Vec<f64> = cells.iter().filter_map(|c| c.parse().ok()).filter(|v: &f64| v.is_finite()).collect();
+        let row: Vec<f64> =
+            cells.iter().filter_map(|c| c.parse().ok()).filter(|v: &f64| v.is_finite()).collect();
         if row.len() != self.columns || cells.len() != self.columns {
-            let what = format!("row {} of {} is no row of {} numbers, and left out", self.row, self.file, self.columns);
+            let what = format!(
+                "row {} of {} is no row of {} numbers, and left out",
+                self.row, self.file, self.columns
+            );
             out.tell(News::Note(what));
             return Ok(());
         }
@@ -146,7 +153,8 @@ impl Lines {
     fn header(&mut self, line: &str, out: &Outbox) -> Result<(), LiveError> {
         let delimiter = |d: &&u8| line.as_bytes().contains(d);
         self.delimiter = *[b',', b'\t', b';'].iter().find(delimiter).unwrap_or(&b' ');
-        let names: Vec<String> = self.cells(line).into_iter().map(|c| c.trim_matches('"').to_string()).collect();
+        let names: Vec<String> =
+            self.cells(line).into_iter().map(|c| c.trim_matches('"').to_string()).collect();
         if names.first().map(String::as_str) != Some("timestamp") {
             return Err(LiveError::Follow(format!(
                 "{}: its first column is {:?}, and only text with RTDE names, timestamp first, is followed line \

@@ -171,10 +171,17 @@ impl Talks {
             }
             Event::Text(text) => {
                 self.texts += 1;
-                let said = format!("the controller: {}: {} {}", text.level.word(), text.source, text.message);
+                let said = format!(
+                    "the controller: {}: {} {}",
+                    text.level.word(),
+                    text.source,
+                    text.message
+                );
                 match self.texts {
                     n if n < TEXTS => out.tell(News::Note(said)),
-                    TEXTS => out.tell(News::Note(format!("{said} (further messages are not shown)"))),
+                    TEXTS => {
+                        out.tell(News::Note(format!("{said} (further messages are not shown)")))
+                    }
                     _ => {}
                 }
             }

@@ -220,7 +220,9 @@ impl Reader {
             let count = match self.socket.read(&mut buffer) {
                 Ok(0) => return None,
                 Ok(count) => count,
-                Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => continue,
+                Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
+                    continue;
+                }
                 Err(_) => return None,
             };
             // Held until the answer is queued: no row of the sender comes before it.

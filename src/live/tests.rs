@@ -9,7 +9,11 @@ use super::*;
 use crate::rtde::{Offer, Wish};
 
 fn source(address: String) -> RtdeSource {
-    let wish = Wish { rate_hz: 500.0, needed: vec!["timestamp".into(), "actual_q".into()], welcome: vec![] };
+    let wish = Wish {
+        rate_hz: 500.0,
+        needed: vec!["timestamp".into(), "actual_q".into()],
+        welcome: vec![],
+    };
     RtdeSource { address, wish, reconnect: Reconnect::Never }
 }
 
@@ -40,7 +44,11 @@ fn every_row_that_a_server_sends_arrives() {
     let offer = Arc::new(Offer::new(500.0));
     let server = Server::start("127.0.0.1:0", Arc::clone(&offer)).unwrap();
     let feed = source(server.address.to_string()).open().unwrap();
-    while !server.events().iter().any(|e| matches!(e, Served::Heard(_, crate::rtde::Heard::Started { .. }))) {
+    while !server
+        .events()
+        .iter()
+        .any(|e| matches!(e, Served::Heard(_, crate::rtde::Heard::Started { .. })))
+    {
         std::thread::sleep(Duration::from_millis(5));
     }
     (0..2000).for_each(|k| {

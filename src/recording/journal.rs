@@ -204,6 +204,9 @@ mod tests {
         assert!(back.rows().eq(all.iter().cloned()));
         let Err(refused) = Journal::begin(&path, &["actual_q_0".into()]) else { panic!() };
         let refused = refused.to_string();
-        assert!(refused.contains("run.parquet.part.csv") && refused.contains("can be read as it is"), "{refused}");
+        assert!(
+            refused.contains("run.parquet.part.csv") && refused.contains("can be read as it is"),
+            "{refused}"
+        );
     }
 }

@@ -176,8 +176,13 @@ impl Client {
         if types.len() != self.names.len() {
             return Err(RtdeError::Types { asked: self.names.len(), given: types.len() });
         }
-        let missing: Vec<String> =
-            self.names.iter().zip(&types).filter(|(_, t)| **t == "NOT_FOUND").map(|(n, _)| n.clone()).collect();
+        let missing: Vec<String> = self
+            .names
+            .iter()
+            .zip(&types)
+            .filter(|(_, t)| **t == "NOT_FOUND")
+            .map(|(n, _)| n.clone())
+            .collect();
         if let Some(name) = missing.iter().find(|name| self.wish.needed.contains(name)) {
             return Err(RtdeError::NotFound(name.clone()));
         }
@@ -196,7 +201,8 @@ impl Client {
 
 /// A quantity of the type that RTDE gives it; one that is not known here is believed.
 fn typed(name: &str, given: &str) -> Result<(String, Type), RtdeError> {
-    let unknown = || RtdeError::UnknownType { name: name.into(), given: given.chars().take(40).collect() };
+    let unknown =
+        || RtdeError::UnknownType { name: name.into(), given: given.chars().take(40).collect() };
     let given = Type::named(given).ok_or_else(unknown)?;
     match type_of(name) {
         Some(expected) if expected != given => Err(RtdeError::OtherType {

@@ -13,7 +13,10 @@ use crate::limits::RECIPE;
 pub enum Heard {
     Text(Text),
     /// Rows of so many quantities, so many per second, are sent from now on.
-    Started { quantities: usize, rate_hz: f64 },
+    Started {
+        quantities: usize,
+        rate_hz: f64,
+    },
     Paused,
 }
 
@@ -152,7 +155,13 @@ impl Session {
         let (rate_hz, names) = match (self.protocol, body.split_first_chunk::<8>()) {
             (1, _) => (self.offer.rate_hz, body),
             (_, Some((rate, names))) => (f64::from_be_bytes(*rate), names),
-            _ => return Err(RtdeError::Body { kind: Kind::SetupOutputs, bytes: body.len(), expected: 9 }),
+            _ => {
+                return Err(RtdeError::Body {
+                    kind: Kind::SetupOutputs,
+                    bytes: body.len(),
+                    expected: 9,
+                });
+            }
         };
         if !(rate_hz.is_finite() && rate_hz > 0.0) {
             return Err(RtdeError::Rate(rate_hz.to_string()));

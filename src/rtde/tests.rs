@@ -50,7 +50,8 @@ fn odd_row(offer: &Offer) -> Vec<f64> {
 fn rows_arrive_to_the_last_bit_however_the_stream_is_cut() {
     for piece in [1, 2, 3, 7, 64, 65536] {
         let offer = offer();
-        let (mut client, mut session) = (Client::new(wish(&FIELDS, &[])), Session::new(offer.clone()));
+        let (mut client, mut session) =
+            (Client::new(wish(&FIELDS, &[])), Session::new(offer.clone()));
         talk(&mut client, &mut session, piece).unwrap();
         let row = odd_row(&offer);
         (0..40).for_each(|k| session.send(k, &row));
@@ -142,7 +143,8 @@ fn protocol_1_has_neither_rate_nor_recipe_numbers() {
     put(Kind::Start, b"", &mut bytes);
     session.receive(&bytes).unwrap();
     session.send(0, &odd_row(&offer));
-    let expected = [&b"\x00\x09ODOUBLE\x00\x04S\x01\x00\x0bU"[..], &1234.568f64.to_be_bytes()].concat();
+    let expected =
+        [&b"\x00\x09ODOUBLE\x00\x04S\x01\x00\x0bU"[..], &1234.568f64.to_be_bytes()].concat();
     assert_eq!(session.outgoing(), expected);
 }
 

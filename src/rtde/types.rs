@@ -80,7 +80,9 @@ impl Type {
                 }
                 (_, &[a, b, c, d]) => f64::from(u32::from_be_bytes([a, b, c, d])),
                 (_, &[one]) => f64::from(one),
-                (Self::Uint64, long) => long.iter().fold(0, |n: u64, b| n << 8 | u64::from(*b)) as f64,
+                (Self::Uint64, long) => {
+                    long.iter().fold(0, |n: u64, b| n << 8 | u64::from(*b)) as f64
+                }
                 (_, long) => {
                     f64::from_bits(long.iter().fold(0, |n: u64, b| n << 8 | u64::from(*b)))
                 }

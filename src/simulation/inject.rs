@@ -7,7 +7,6 @@ use super::scenario::JOINTS;
 use crate::effects::{self, Effect, Parameter, Scope};
 use crate::twin::PerJoint;
 
-
 /// One injection per table; the values of effects named in `beyond` may leave the catalogue's
 /// range. Messages name the key.
 pub(super) fn injections(

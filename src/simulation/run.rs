@@ -285,8 +285,7 @@ impl Simulation {
             },
         };
         self.record_target(command, &mut recording);
-        let current_noise_a =
-            self.sense(&exact, interval, (seed, number), None, &mut recording);
+        let current_noise_a = self.sense(&exact, interval, (seed, number), None, &mut recording);
         put(&mut recording, "joint_temperatures", &exact.temperature);
         let clean = [self.shown_q(&exact.q), exact.qd.clone(), self.shown_current(&exact.tau)];
         let [q, qd, current] = self.effects_measure(interval, &exact, clean);
@@ -302,13 +301,7 @@ impl Simulation {
 
     /// As [`Simulation::sensed_again`], with noise of the standard deviations `noise_a` on the currents, A,
     /// in place of what the scenario's signal-to-noise ratio makes of this motion.
-    pub fn sensed_with(
-        &self,
-        run: &Run,
-        noise_a: Option<&[f64]>,
-        seed: u64,
-        number: u64,
-    ) -> Run {
+    pub fn sensed_with(&self, run: &Run, noise_a: Option<&[f64]>, seed: u64, number: u64) -> Run {
         let interval = self.clock.step_s * self.clock.steps_per_sample as f64;
         let mut again = run.clone();
         let sensed = |name: &str| name.starts_with("actual_");

@@ -37,7 +37,8 @@ impl FromStr for Switch {
     fn from_str(text: &str) -> Result<Self, String> {
         let form = "write EFFECT[.PARAMETER][.jointN]=VALUE, for example load_friction.joint2=0.1";
         let (place, value) = text.split_once('=').ok_or_else(|| format!("{text}: {form}"))?;
-        let value: f64 = value.trim().parse().map_err(|_| format!("{value:?} is no number; {form}"))?;
+        let value: f64 =
+            value.trim().parse().map_err(|_| format!("{value:?} is no number; {form}"))?;
         let mut parts = place.trim().split('.');
         let name = parts.next().unwrap_or_default();
         let effect = effects::find(name)
@@ -48,7 +49,8 @@ impl FromStr for Switch {
         for part in parts {
             if let Some(number) = part.strip_prefix("joint") {
                 let number = number.parse::<usize>().ok().filter(|n| *n > 0);
-                joint = Some(number.ok_or_else(|| format!("{part}: joints count from joint1"))? - 1);
+                joint =
+                    Some(number.ok_or_else(|| format!("{part}: joints count from joint1"))? - 1);
             } else {
                 let names: Vec<_> = parameters.iter().map(|p| p.name).collect();
                 let unknown = || format!("{part}: {name} has the parameters {}", names.join(", "));

@@ -19,7 +19,13 @@ pub struct Block {
 
 impl Block {
     /// Adds the gap, N.m, at `time`; the features of the block if that makes it whole.
-    pub fn add(&mut self, time: f64, left: f64, direction: f64, dt: f64) -> Option<(f64, [f64; 3])> {
+    pub fn add(
+        &mut self,
+        time: f64,
+        left: f64,
+        direction: f64,
+        dt: f64,
+    ) -> Option<(f64, [f64; 3])> {
         if self.samples == 0.0 {
             self.begins = time;
         }

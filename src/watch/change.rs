@@ -92,7 +92,10 @@ fn amount(cause: &Cause) -> String {
     match &cause.replaces {
         Some(old) if old.twin != 0.0 => {
             let change = 100.0 * (value.value / old.twin - 1.0);
-            format!(": {} {change:+.0} % ({:.3}{unit} after {:.3})", value.name, value.value, old.twin)
+            format!(
+                ": {} {change:+.0} % ({:.3}{unit} after {:.3})",
+                value.name, value.value, old.twin
+            )
         }
         _ => format!(": {} {:.3}{unit}", value.name, value.value),
     }
@@ -108,9 +111,8 @@ impl Alarm {
     ) -> String {
         let joint = self.joint + 1;
         let both = |r: usize| Some((now[r]?, level[r]?));
-        let grown = |r: &usize| {
-            both(*r).map_or(0.0, |(now, level)| (now.along_nm - level.along_nm).abs())
-        };
+        let grown =
+            |r: &usize| both(*r).map_or(0.0, |(now, level)| (now.along_nm - level.along_nm).abs());
         let most = (0..REGIMES.len()).max_by(|a, b| grown(a).total_cmp(&grown(b)));
         let Some((r, (n, l))) = most.and_then(|r| Some((r, both(r)?))) else {
             return format!("the gap of joint {joint} changed");
@@ -124,7 +126,9 @@ impl Alarm {
                 format!("joint {joint} needs {:.2} N.m {way} {place}", more.abs())
             }
             false => {
-                let Some((n, l)) = both(0) else { return format!("the gap of joint {joint} changed") };
+                let Some((n, l)) = both(0) else {
+                    return format!("the gap of joint {joint} changed");
+                };
                 format!(
                     "the gap of joint {joint} is {:.2} N.m rms, {:.2} N.m before",
                     n.rms_nm, l.rms_nm

@@ -13,6 +13,8 @@ use crate::statistics::{normal_quantile, student_two_sided};
 
 /// Blocks that only teach.
 const FEWEST: f64 = 12.0;
+/// A block teaches as if it were at most so many standard deviations off.
+const TEACHES: f64 = 3.0;
 /// No number is farther out: one wild block is no change.
 pub const FARTHEST: f64 = 4.0;
 
@@ -38,18 +40,28 @@ impl SelfStarting {
             return None;
         };
         let x = x - self.origin;
-        self.before = Some(x);
-        let number = self.residual(before, x);
+        let predicted = self.predicted(before);
+        let taught =
+            predicted.as_ref().map_or(x, |p| p.mean + (x - p.mean).clamp(-p.reach(), p.reach()));
+        self.before = Some(taught);
+        self.teach(before, taught, predicted.as_ref());
+        let p = predicted.filter(|p| self.blocks > FEWEST && p.spread > 0.0)?;
+        Some(normal((x - p.mean) / (p.width * p.spread), p.freedom))
+    }
+
+    fn teach(&mut self, before: f64, x: f64, predicted: Option<&Predicted>) {
+        if let Some(p) = predicted {
+            self.squares += ((x - p.mean) / p.width).powi(2);
+        }
         self.z[0] += 1.0;
         self.z[1] += before;
         self.z[2] += before * before;
         self.zx[0] += x;
         self.zx[1] += before * x;
         self.blocks += 1.0;
-        number
     }
 
-    fn residual(&mut self, before: f64, x: f64) -> Option<f64> {
+    fn predicted(&self, before: f64) -> Option<Predicted> {
         let [n, s, ss] = self.z;
         let det = n * ss - s * s;
         // Blocks without any spread tell nothing.
@@ -59,13 +71,32 @@ impl SelfStarting {
         let [p, q] = self.zx;
         let (a, b) = ((ss * p - s * q) / det, (n * q - s * p) / det);
         let leverage = (ss - 2.0 * s * before + n * before * before) / det;
-        let w = (x - a - b * before) / (1.0 + leverage).sqrt();
-        let (freedom, spread) = (n - 2.0, (self.squares / (n - 2.0)).sqrt());
-        self.squares += w * w;
-        if self.blocks < FEWEST || spread <= 0.0 {
-            return None;
-        }
-        Some(normal(w / spread, freedom))
+        let (freedom, width) = (n - 2.0, (1.0 + leverage).sqrt());
+        let spread = (self.squares / freedom).sqrt();
+        Some(Predicted {
+            mean: a + b * before,
+            width,
+            spread,
+            freedom,
+            known: self.blocks >= FEWEST,
+        })
+    }
+}
+
+/// What all blocks before say of the next.
+struct Predicted {
+    mean: f64,
+    /// Standard deviation of what is predicted, in units of `spread`.
+    width: f64,
+    spread: f64,
+    freedom: f64,
+    known: bool,
+}
+
+impl Predicted {
+    /// How far from the mean a block teaches at most: a change must not become the usual before it is told.
+    fn reach(&self) -> f64 {
+        if self.known { TEACHES * self.width * self.spread } else { f64::INFINITY }
     }
 }
 

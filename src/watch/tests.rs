@@ -145,11 +145,15 @@ fn gaps_in_time_and_clocks_that_go_back_begin_anew() {
 
 #[test]
 fn a_twin_without_values_is_refused_and_told_how_to_get_some() {
-    let Err(refused) = Watch::new(Twin::default(), &["timestamp".into()], &Settings::default()) else {
+    let Err(refused) = Watch::new(Twin::default(), &["timestamp".into()], &Settings::default())
+    else {
         panic!()
     };
     let refused = refused.to_string();
-    assert!(refused.contains("coulomb has no values") && refused.contains("--save-twin"), "{refused}");
+    assert!(
+        refused.contains("coulomb has no values") && refused.contains("--save-twin"),
+        "{refused}"
+    );
 }
 
 #[test]

@@ -71,7 +71,9 @@ mod tests {
 
     #[test]
     fn days_are_those_of_the_calendar() {
-        for (unix, date) in [(0.0, "1970-01-01"), (951_827_696.0, "2000-02-29"), (1_795_392_000.0, "2026-11-23")] {
+        for (unix, date) in
+            [(0.0, "1970-01-01"), (951_827_696.0, "2000-02-29"), (1_795_392_000.0, "2026-11-23")]
+        {
             assert_eq!(day(unix), date);
         }
         assert_eq!(Clock::Day(Some(1_795_392_000.0)).words(50_530.0), "14:02:10 UTC");

@@ -37,8 +37,11 @@ impl History {
         let date = super::clock::day(now as f64);
         let name = format!("watch-{date}-{:05}.parquet", now % 86400);
         let of = |what: &'static str| (0..twin.robot.dof()).map(move |j| column(what, j));
-        let mut names: Vec<String> =
-            of("gap_nm").chain(of("level_nm")).chain(of("along_nm")).chain(of("temperature_c")).collect();
+        let mut names: Vec<String> = of("gap_nm")
+            .chain(of("level_nm"))
+            .chain(of("along_nm"))
+            .chain(of("temperature_c"))
+            .collect();
         names.push("flange_force_n".into());
         let events = dir.join(EVENTS);
         let opened = Growing::go_on(&events);

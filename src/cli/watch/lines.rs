@@ -31,7 +31,8 @@ impl Lines {
         let mut part = path.as_os_str().to_owned();
         part.push(".part");
         let part = PathBuf::from(part);
-        let grows = Growing::begin(&part).with_context(|| format!("cannot write {}", part.display()))?;
+        let grows =
+            Growing::begin(&part).with_context(|| format!("cannot write {}", part.display()))?;
         Ok(Self { out: Box::new(grows), file: Some((part, path.to_path_buf())) })
     }
 
@@ -54,11 +55,12 @@ impl Lines {
         let level = figures.level();
         let all = |of: &[Option<Figure>; REGIMES.len()]| -> Value {
             let pairs = REGIMES.iter().zip(of).filter_map(|(name, f)| f.map(|f| (*name, f)));
-            pairs.map(|(name, f)| (name.to_string(), json!(f))).collect::<serde_json::Map<_, _>>().into()
+            pairs
+                .map(|(name, f)| (name.to_string(), json!(f)))
+                .collect::<serde_json::Map<_, _>>()
+                .into()
         };
-        let joint = |j: usize| {
-            json!({ "joint": j + 1, "now": all(&figures.now(j)), "level": all(&level.0[j]) })
-        };
+        let joint = |j: usize| json!({ "joint": j + 1, "now": all(&figures.now(j)), "level": all(&level.0[j]) });
         let joints: Vec<Value> = (0..figures.joints()).map(joint).collect();
         let force = watch.flange().force().map(|f| [f.x, f.y, f.z]);
         let time = seen.stretch.time.last().map(|t| clock.of(*t));

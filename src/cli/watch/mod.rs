@@ -96,7 +96,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         gaps: Gaps::new(args.source.rate),
         screen: Screen::new(),
         lines: args.json.as_ref().map(Lines::begin).transpose()?,
-        history: args.history.as_deref().map(|dir| History::begin(dir, watch.twin())).transpose()?,
+        history: args
+            .history
+            .as_deref()
+            .map(|dir| History::begin(dir, watch.twin()))
+            .transpose()?,
         background: (!args.no_diagnosis).then(|| Background::new(watch.twin().clone())),
         shown,
         first: None,
@@ -276,7 +280,9 @@ impl Watching {
 
     fn note(&mut self, note: &str) -> anyhow::Result<()> {
         self.screen.event(note);
-        self.event(&serde_json::json!({ "kind": "note", "says": note, "time": self.clock.of(self.last) }))
+        self.event(
+            &serde_json::json!({ "kind": "note", "says": note, "time": self.clock.of(self.last) }),
+        )
     }
 
     fn event(&mut self, event: &serde_json::Value) -> anyhow::Result<()> {
@@ -300,7 +306,10 @@ impl Watching {
             self.note(&words)?;
         }
         if feed.lost() > 0 {
-            self.note(&format!("{} rows were dropped: this machine was too slow for them", feed.lost()))?;
+            self.note(&format!(
+                "{} rows were dropped: this machine was too slow for them",
+                feed.lost()
+            ))?;
         }
         let length = self.first.map_or(0.0, |first| self.last - first);
         self.screen.end(&self.watch, length, self.changes);

@@ -55,7 +55,10 @@ impl Screen {
             1 => "1 change".to_string(),
             n => format!("{n} changes"),
         };
-        out::page(&format!("{}\n", self.page(watch, &format!("watched for {length_s:.0} s, {changed}"))));
+        out::page(&format!(
+            "{}\n",
+            self.page(watch, &format!("watched for {length_s:.0} s, {changed}"))
+        ));
     }
 
     fn page(&self, watch: &Watch, head: &str) -> String {

@@ -96,12 +96,7 @@ fn temperature(report: &HistoryReport<'_>) -> Markup {
     });
     let entries: Vec<(&str, &str)> =
         curves.iter().map(|(name, j, _)| (name.as_str(), super::plot::SERIES[*j])).collect();
-    let plot = Plot {
-        across: "h",
-        up: "deg C",
-        curves: drawn.collect(),
-        whole: true,
-        ..Plot::default()
-    };
+    let plot =
+        Plot { across: "h", up: "deg C", curves: drawn.collect(), whole: true, ..Plot::default() };
     html! { (key(&entries)) (plot.markup()) }
 }

@@ -38,8 +38,8 @@ fn runs(
     let run = |(n, kind): (usize, &&str)| -> Result<(Simulation, Run), StudyError> {
         let mut scenario = scenario.clone();
         scenario.shorten(settings.motion_s);
-        scenario.motion.kind = serde_json::from_value((*kind).into())
-            .map_err(|e| StudyError::Table(e.to_string()))?;
+        scenario.motion.kind =
+            serde_json::from_value((*kind).into()).map_err(|e| StudyError::Table(e.to_string()))?;
         scenario.motion.seed = seeds + n as u64;
         let made = scenario.work_out(file)?;
         let mut simulation = Simulation::new(&made.setup)?;
@@ -62,9 +62,8 @@ impl Work {
     ) -> Result<Self, StudyError> {
         let (mut passes, mut noise_nm, mut recording) = (Vec::new(), Vec::new(), None);
         for (simulation, run) in runs(scenario, file, settings, &KINDS, WORK)? {
-            recording.get_or_insert(
-                simulation.sensed_again(&run, settings.seed, PASSES + 1).recording,
-            );
+            recording
+                .get_or_insert(simulation.sensed_again(&run, settings.seed, PASSES + 1).recording);
             let none = vec![0.0; twin.robot.dof()];
             let pass = |n: u64| -> Result<Stretch, StudyError> {
                 let seen = simulation.sensed_with(&run, Some(&none), settings.seed, n + 1);
