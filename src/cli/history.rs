@@ -61,7 +61,11 @@ fn read(dir: &Path) -> anyhow::Result<Recording> {
     paths.sort();
     let mut all: Option<Recording> = None;
     for path in &paths {
-        let Some(part) = rows_of(path)? else { continue };
+        let part = recording::journaled(path)?;
+        // A watching that has just begun.
+        if part.time.is_empty() {
+            continue;
+        }
         match &mut all {
             None => all = Some(part),
             Some(all) => append(all, &part, path)?,
@@ -70,17 +74,6 @@ fn read(dir: &Path) -> anyhow::Result<Recording> {
     all.with_context(|| {
         format!("{}: no file of `armtwin watch --history` is there yet", dir.display())
     })
-}
-
-/// `None` for a watching that has just begun.
-fn rows_of(path: &Path) -> anyhow::Result<Option<Recording>> {
-    let empty = |text: String| text.lines().count() < 2;
-    if path.extension().is_some_and(|e| e == "csv")
-        && std::fs::read_to_string(path).is_ok_and(empty)
-    {
-        return Ok(None);
-    }
-    Ok(Some(recording::read(path, None)?))
 }
 
 /// What is later goes behind; of two that were watched at once the second adds what the first has not.

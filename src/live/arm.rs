@@ -103,18 +103,15 @@ impl Stage {
 
     /// The first time is the recording that `simulate` writes; later ones have noise of their own.
     fn round(&self, seed: u64, n: u64) -> Round {
-        let noise = &self.motion.current_noise_a;
-        let motion = match n {
-            0 => self.motion.recording.clone(),
-            n => self.simulation.sensed_with(&self.motion, Some(noise), seed, 2 * n + 1).recording,
+        let first = &self.motion.recording;
+        let again = |run: &Run, number: u64| {
+            let noise = Some(&self.motion.current_noise_a[..]);
+            in_order(self.simulation.sensed_with(run, noise, seed, number).recording, first)
         };
+        let motion = if n == 0 { first.clone() } else { again(&self.motion, 2 * n + 1) };
         match &self.back {
             None => motion,
-            Some(back) => {
-                let back =
-                    self.simulation.sensed_with(back, Some(noise), seed, 2 * n + 2).recording;
-                joined(motion, &back)
-            }
+            Some(back) => joined(motion, &again(back, 2 * n + 2)),
         }
     }
 
@@ -122,6 +119,13 @@ impl Stage {
         let back = self.back.as_ref().map_or(0, |b| b.recording.time.len());
         (self.motion.recording.time.len() + back) as u64
     }
+}
+
+/// With its channels in the order of another.
+fn in_order(mut recording: Recording, like: &Recording) -> Recording {
+    let place = |name: &str| like.channels.iter().position(|c| c.name == name);
+    recording.channels.sort_by_key(|channel| place(&channel.name));
+    recording
 }
 
 /// One behind the other; times are not used.
@@ -278,4 +282,78 @@ fn ahead(stages: Vec<Stage>, seed: u64) -> Result<Receiver<Round>, LiveError> {
     };
     std::thread::Builder::new().name("rounds".into()).spawn(work).map_err(LiveError::Thread)?;
     Ok(rounds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::{Scenario, Switch};
+
+    fn scenario(kind: &str) -> Scenario {
+        let text = format!(
+            "[motion]\nkind = \"{kind}\"\nduration_s = 3\n[noise]\nsnr_db = 30\nposition_rad = 2e-5\n\
+             [effects.coulomb]\ncoulomb = [6, 7, 5, 1.5, 1.2, 1.0]\n"
+        );
+        Scenario::parse(&text, "test").unwrap()
+    }
+
+    fn rows(arm: &mut Arm, count: usize) -> Vec<Vec<f64>> {
+        (0..count).map(|_| arm.next_row().1.to_vec()).collect()
+    }
+
+    /// No quantity jumps where one time through follows another, and noise is another each time.
+    #[test]
+    fn it_works_again_and_again_without_a_jump() {
+        for kind in ["random_frequency", "point_to_point"] {
+            let made = scenario(kind).work_out("test").unwrap();
+            let mut arm = Arm::new(&made, &[], &mut || true).unwrap();
+            let length = (arm.round_s() * arm.rate_hz()).round() as usize;
+            let all = rows(&mut arm, 3 * length);
+            for name in ["target_q", "actual_q", "joint_temperatures", "actual_TCP_pose"] {
+                let (t, at) = arm.offer.find(name).unwrap();
+                for pair in all.windows(2) {
+                    for c in at..at + t.width() {
+                        let step = (pair[1][c] - pair[0][c]).abs();
+                        // Rotation vectors turn over where they are as long as pi.
+                        assert!(
+                            step < 0.1 || (step > 1.0 && name.ends_with("pose")),
+                            "{kind} {name} {step}"
+                        );
+                    }
+                }
+            }
+            let current = arm.column("actual_current_1");
+            assert_ne!(all[100][current], all[100 + length][current]);
+            assert_eq!(
+                all[100][arm.column("target_q_1")],
+                all[100 + length][arm.column("target_q_1")]
+            );
+            let interval = all[1][arm.column("timestamp")];
+            for (k, row) in all.iter().enumerate() {
+                assert_eq!(row[arm.column("timestamp")].to_bits(), (k as f64 * interval).to_bits());
+            }
+        }
+    }
+
+    impl Arm {
+        fn column(&self, name: &str) -> usize {
+            self.offer.column(name).unwrap()
+        }
+    }
+
+    #[test]
+    fn an_effect_acts_from_its_time_on() {
+        let scenario = scenario("random_frequency");
+        let switch: Switch = "coulomb.joint3=9".parse().unwrap();
+        let made = scenario.work_out("test").unwrap();
+        let changed = scenario.switched(&switch, 6).work_out("test").unwrap();
+        let mut usual = Arm::new(&made, &[], &mut || true).unwrap();
+        let mut switched = Arm::new(&made, &[(1.5, changed)], &mut || true).unwrap();
+        let [usual, changed] = [rows(&mut usual, 600), rows(&mut switched, 600)];
+        let at = switched.column("actual_current_2");
+        let first = (0..600).find(|&k| usual[k][at] != changed[k][at]);
+        assert_eq!(first, Some(188), "1.5 s at 125 Hz, rounded up");
+        let mean = |rows: &[Vec<f64>]| rows[400..].iter().map(|r| r[at].abs()).sum::<f64>();
+        assert!((mean(&usual) - mean(&changed)).abs() > 1.0);
+    }
 }

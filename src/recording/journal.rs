@@ -7,9 +7,9 @@ use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 use super::file::{cannot, replace, unwritten};
-use super::parquet_file::Batches;
+use super::parquet_file::{self, Batches};
 use super::rtde_csv::{TIME, write_number};
-use super::{Recording, RecordingError};
+use super::{Channel, Provenance, Recording, RecordingError};
 use crate::files::{Growing, write_whole};
 
 /// What a journal can become.
@@ -153,6 +153,39 @@ fn pack(journal: &Path, path: &Path) -> io::Result<()> {
     })
 }
 
+/// What a journal holds or has become (Parquet), however few rows there are; a line that is cut ends it.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn journaled(path: &Path) -> Result<Recording, RecordingError> {
+    let (names, columns) = match path.extension().is_some_and(|e| e == "parquet") {
+        true => parquet_file::columns(path)?,
+        false => lines(path).map_err(cannot(path, "read"))?,
+    };
+    let mut columns = columns.into_iter();
+    let time = columns.next().unwrap_or_default();
+    let channels = names.into_iter().skip(1).zip(columns);
+    let provenance = Provenance { source: path.display().to_string(), ..Provenance::default() };
+    let channel = |(name, values)| Channel { name, values };
+    Ok(Recording { time, channels: channels.map(channel).collect(), provenance })
+}
+
+fn lines(path: &Path) -> io::Result<(Vec<String>, Vec<Vec<f64>>)> {
+    let mut lines = BufReader::new(File::open(path)?).lines();
+    let header = lines.next().transpose()?.unwrap_or_default();
+    let names: Vec<String> = header.split(',').map(String::from).collect();
+    let mut columns = vec![Vec::new(); names.len()];
+    for line in lines {
+        let line = line?;
+        let row: Vec<f64> = line.split(',').filter_map(|cell| cell.parse().ok()).collect();
+        if row.len() != names.len() {
+            break;
+        }
+        columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+    }
+    Ok((names, columns))
+}
+
 impl Recording {
     /// Rows, time first, under the names of its channels.
     pub fn rows(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
@@ -189,6 +222,11 @@ mod tests {
             assert!(back.rows().eq(all.iter().cloned()), "{end}");
             assert!(!journal_of(&path).exists());
         }
+        let few = folder.path().join("few.parquet");
+        let mut journal = Journal::begin(&few, &names).unwrap();
+        let all = rows(&mut journal, 2);
+        journal.end("here").unwrap();
+        assert!(journaled(&few).unwrap().rows().eq(all.iter().cloned()));
     }
 
     #[test]
@@ -202,6 +240,7 @@ mod tests {
         std::mem::forget(journal);
         let back = read(&journal_of(&path), None).unwrap();
         assert!(back.rows().eq(all.iter().cloned()));
+        assert!(journaled(&journal_of(&path)).unwrap().rows().eq(all.iter().cloned()));
         let Err(refused) = Journal::begin(&path, &["actual_q_0".into()]) else { panic!() };
         let refused = refused.to_string();
         assert!(

@@ -30,7 +30,7 @@ pub use columns::ColumnMap;
 pub use draft::{Draft, draft};
 pub use error::RecordingError;
 pub use format::{FORMATS, Format, WriteOptions, read, read_by, write, writer};
-pub use journal::{JOURNALED, Journal, journal_of};
+pub use journal::{JOURNALED, Journal, journal_of, journaled};
 pub use rtde_csv::write_csv;
 pub use text::Delimiter;
 

@@ -88,6 +88,11 @@ impl Figures {
         }
     }
 
+    /// Something changed: what comes is no part of the level.
+    pub fn settle(&mut self) {
+        self.joints.iter_mut().for_each(|joint| joint.learned_s = f64::INFINITY);
+    }
+
     /// Whether the level of all joints that move is known.
     pub fn knows_level(&self) -> bool {
         let moved = |j: &&Joint| j.learned_s > 0.0;

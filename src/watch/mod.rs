@@ -124,6 +124,9 @@ impl Watch {
         self.figures.add(&stretch);
         self.flange.add(&stretch);
         let alarm = self.detector.add(&stretch);
+        if alarm.is_some() {
+            self.figures.settle();
+        }
         Ok(Some(Seen { stretch, alarm }))
     }
 
