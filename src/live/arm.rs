@@ -291,7 +291,7 @@ mod tests {
 
     fn scenario(kind: &str) -> Scenario {
         let text = format!(
-            "[motion]\nkind = \"{kind}\"\nduration_s = 3\n[noise]\nsnr_db = 30\nposition_rad = 2e-5\n\
+            "[motion]\nkind = \"{kind}\"\nduration_s = 5\n[noise]\nsnr_db = 30\nposition_rad = 2e-5\n\
              [effects.coulomb]\ncoulomb = [6, 7, 5, 1.5, 1.2, 1.0]\n"
         );
         Scenario::parse(&text, "test").unwrap()
@@ -349,9 +349,9 @@ mod tests {
         let changed = scenario.switched(&switch, 6).work_out("test").unwrap();
         let mut usual = Arm::new(&made, &[], &mut || true).unwrap();
         let mut switched = Arm::new(&made, &[(1.5, changed)], &mut || true).unwrap();
-        let [usual, changed] = [rows(&mut usual, 600), rows(&mut switched, 600)];
+        let [usual, changed] = [rows(&mut usual, 620), rows(&mut switched, 620)];
         let at = switched.column("actual_current_2");
-        let first = (0..600).find(|&k| usual[k][at] != changed[k][at]);
+        let first = (0..620).find(|&k| usual[k][at] != changed[k][at]);
         assert_eq!(first, Some(188), "1.5 s at 125 Hz, rounded up");
         let mean = |rows: &[Vec<f64>]| rows[400..].iter().map(|r| r[at].abs()).sum::<f64>();
         assert!((mean(&usual) - mean(&changed)).abs() > 1.0);

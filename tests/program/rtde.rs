@@ -19,7 +19,7 @@ const SDU: &str = "ARMTWIN_UR_RTDE_PYTHON";
 const SCENARIO: &str = "
 [motion]
 kind = \"random_frequency\"
-duration_s = 3
+duration_s = 5
 [noise]
 snr_db = 34
 position_rad = 2e-5
@@ -97,10 +97,10 @@ fn what_is_recorded_is_what_the_scenario_says_to_the_last_bit() {
     let folder = TempDir::new().unwrap();
     let (_arm, address) = serve(folder.path(), &["--port", "0", "--wait"]);
     let out = folder.path().join("run.parquet");
-    let run = record(&address, &out, &["--seconds", "3"]);
+    let run = record(&address, &out, &["--seconds", "5"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(
-        run.stdout.contains("376 rows, 3.000 s") && run.stdout.contains("no row was dropped"),
+        run.stdout.contains("626 rows, 5.000 s") && run.stdout.contains("no row was dropped"),
         "{}",
         run.stdout
     );
@@ -233,7 +233,7 @@ fn the_manufacturers_client_receives_the_scenario_to_the_last_bit() {
     let port = address.rsplit(':').next().unwrap();
     let arguments = [client.to_str().unwrap(), port, table.to_str().unwrap()];
     match python("python3", OFFICIAL, &arguments) {
-        Some(said) => assert_eq!(said.trim(), "376 rows, 32 fields"),
+        Some(said) => assert_eq!(said.trim(), "626 rows, 32 fields"),
         None => eprintln!("skipped: there is no python3"),
     }
 }
