@@ -5,6 +5,7 @@ use thiserror::Error;
 use crate::regression::bounds::BoundsError;
 use crate::signals::SignalError;
 use crate::statistics::StatisticsError;
+use crate::watch::Interrupted;
 
 #[derive(Debug, Error)]
 pub enum IdentificationError {
@@ -44,4 +45,6 @@ pub enum IdentificationError {
     Signals(#[from] SignalError),
     #[error(transparent)]
     Statistics(#[from] StatisticsError),
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }

@@ -29,7 +29,7 @@ mod verdict;
 
 use serde::Serialize;
 
-pub use arm::{Method, Search, Settings, identify, identify_telling};
+pub use arm::{Method, Search, Settings, identify, identify_watched};
 pub use assemble::{ArmProblem, BoundsByName, assemble, assemble_around};
 pub use error::IdentificationError;
 pub use fitted::fitted_twin;

@@ -1,6 +1,7 @@
 //! A recording: named SI columns on one time column, and where they came from.
 //! One file per format; every reader yields the same [`Recording`].
 
+mod arrays;
 mod bag;
 mod blocks;
 mod check;
@@ -16,11 +17,15 @@ pub mod inspection;
 mod mapped_csv;
 mod mend;
 mod movement_folder;
+#[cfg(feature = "parquet")]
 mod parquet_file;
+#[cfg(feature = "parquet")]
 mod parquet_sizes;
 mod rtde_csv;
+mod same;
 mod table;
 mod text;
+#[cfg(feature = "parquet")]
 mod thrift;
 
 pub use bag::settle_effort;
@@ -30,6 +35,7 @@ pub use draft::{Draft, draft};
 pub use error::RecordingError;
 pub use format::{FORMATS, Format, WriteOptions, read, read_by, write, writer};
 pub use rtde_csv::write_csv;
+pub use same::refuse_same;
 pub use text::Delimiter;
 
 use crate::series::JointSeries;

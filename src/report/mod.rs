@@ -1,6 +1,7 @@
 //! Tables and pages a person reads.
 
 pub mod diagnosis;
+#[cfg(feature = "report")]
 pub mod html;
 mod markdown;
 mod paragraph;
@@ -11,3 +12,6 @@ pub use markdown::markdown_table;
 pub use paragraph::paragraph;
 pub use rounded::to_uncertainty;
 pub use table::table;
+
+/// What is being said, and what is said of it.
+pub type Fact = (String, String);

@@ -4,15 +4,19 @@ mod chart;
 mod diagnosis;
 mod frame;
 mod identification;
+#[cfg(feature = "studies")]
 mod motor;
 mod plot;
+#[cfg(feature = "studies")]
 mod study;
 mod table;
-#[cfg(test)]
+#[cfg(all(test, feature = "studies"))]
 mod tests;
 
 pub use diagnosis::{DiagnosisReport, diagnosis_report};
 pub use frame::{Fact, Page, Section};
 pub use identification::{IdentificationReport, JointCurves, identification_report};
+#[cfg(feature = "studies")]
 pub use motor::motor_report;
+#[cfg(feature = "studies")]
 pub use study::study_report;
