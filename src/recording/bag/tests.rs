@@ -7,7 +7,7 @@ use mcap::records::MessageHeader;
 
 use std::path::{Path, PathBuf};
 
-use super::RosBag;
+use super::{RosBag, effort};
 use super::map::{BagMap, Effort};
 use crate::recording::format::Format;
 use crate::recording::{self, write};
