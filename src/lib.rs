@@ -50,6 +50,7 @@ pub mod excitation;
 pub mod export;
 pub mod external_wrench;
 pub mod files;
+pub mod follow;
 pub mod identification;
 pub mod kernels;
 pub mod limits;
@@ -74,7 +75,6 @@ pub mod trials;
 pub mod twin;
 #[cfg(feature = "viewer")]
 pub mod viewer;
-pub mod watch;
 pub mod workflow;
 
 pub use recording::Recording;

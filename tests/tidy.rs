@@ -107,7 +107,7 @@ fn every_feature_is_checked_by_itself_in_ci() {
 fn what_converts_does_not_decide() {
     for (path, text) in sources("python/src") {
         let lines = text.lines().count();
-        assert!(lines <= 250 && text.starts_with("//!"), "{} has {lines} lines", path.display());
+        assert!(lines <= 300 && text.starts_with("//!"), "{} has {lines} lines", path.display());
         for room in ["signals", "diagnosis::diagnose", "identification::identify", "plausibility"] {
             let word = format!("armtwin::{room}");
             assert!(!text.lines().any(|l| code(l).contains(&word)), "{}: {room}", path.display());

@@ -1,9 +1,12 @@
 """What the package costs beside the engine, and beside Pinocchio (pip install pin).
 
-    python bench/bench.py            # in an environment with the wheel and pin
+    python bench/bench.py [RECORDING.csv]     # in an environment with the wheel and pin
 
-The engine's own times are those of `cargo bench --bench python` for the same arrays, printed by
-`cargo run --release --example python_overhead`.
+The engine's own times for the same are printed by
+
+    cargo run --release --example beside_python -- RECORDING.csv
+
+with the recording that this script writes where it is given a name for it.
 """
 
 from __future__ import annotations
@@ -43,7 +46,7 @@ def main() -> None:
     print(f"twin.torque, ({SAMPLES}, 6)")
     row = best(lambda: twin.torque(q, qd, qdd), 21)
     fortran = [np.asfortranarray(a) for a in (q, qd, qdd)]
-    column = best(lambda: twin.torque(*fortran), 21)
+    column = best(lambda: twin.torque(fortran[0], fortran[1], fortran[2]), 21)
     print(f"  armtwin, rows contiguous       {1e3 * row:9.2f} ms")
     print(f"  armtwin, columns contiguous    {1e3 * column:9.2f} ms")
     try:

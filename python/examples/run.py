@@ -17,7 +17,7 @@ LARGEST = 200_000
 def main() -> None:
     keep = "--keep" in sys.argv
     for path in sorted(Path(__file__).parent.glob("*.ipynb")):
-        notebook = nbformat.read(path, as_version=4)
+        notebook = nbformat.read(path, as_version=4)  # type: ignore[no-untyped-call]
         begun = time.monotonic()
         with tempfile.TemporaryDirectory() as folder:
             NotebookClient(notebook, timeout=600, kernel_name="python3", resources={"metadata": {"path": folder}}).execute()
@@ -26,7 +26,7 @@ def main() -> None:
             for cell in notebook.cells:
                 cell.metadata.pop("execution", None)
             notebook.metadata.pop("widgets", None)
-            nbformat.write(notebook, path)
+            nbformat.write(notebook, path)  # type: ignore[no-untyped-call]
         assert path.stat().st_size <= LARGEST, f"{path.name} is large: {path.stat().st_size} bytes"
 
 

@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use armtwin::watch::{Token, Watch};
+use armtwin::follow::{Token, Watch};
 use armtwin::workflow::WorkflowError;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;

@@ -7,7 +7,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::interrupt;
-use crate::watch::Watch;
+use crate::follow::Watch;
 
 /// Follows the jobs of the program: a bar for what is being done, notes and warnings on standard error.
 #[derive(Default)]

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{anyhow, bail};
 
 use super::twin::Arm;
+use crate::follow::Watch;
 use crate::recording::{self, FEWEST_SAMPLES, Recording};
-use crate::watch::Watch;
 use crate::workflow::{Prepared, Reading, WorkflowError};
 
 /// What every command that takes a recording takes with it.

@@ -9,10 +9,10 @@ use super::Settings;
 use super::discrepancy::{Discrepancy, GROUPS};
 use super::kept::Kept;
 use super::observed::Observed;
+use crate::follow::Watch;
 use crate::regression::random_effects::{Features, JointMetric, Metric, ln_likelihood};
 use crate::regression::{Blocks, Raw};
 use crate::twin::Twin;
-use crate::watch::Watch;
 
 /// Share of the sensors' noise floor that no model is believed to fall short of: the floor is an
 /// estimate.

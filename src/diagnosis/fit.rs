@@ -8,10 +8,10 @@ use super::data::Data;
 use super::model::Model;
 use super::observed::Observed;
 use crate::effects::{Motion, Rigid, Role};
+use crate::follow::go_on;
 use crate::regression::random_effects::{Metric, Profile};
 use crate::regression::{Blocks, Column, Normal, Raw, System};
 use crate::series::JointSeries;
-use crate::watch::go_on;
 
 /// Passes of fitting causes that depend on each other.
 const MOST_PASSES: usize = 4;

@@ -13,10 +13,10 @@ use super::refine;
 use super::screen::screen;
 use super::{DiagnosisError, Settings};
 use crate::effects::{Effect, Role, Scope};
+use crate::follow::{Watch, stoppable};
 use crate::identification::{Located, Terms};
 use crate::signals::Samples;
 use crate::twin::Twin;
-use crate::watch::{Watch, stoppable};
 
 /// How many candidates are refined: those that gain most at their starts.
 const REFINED: usize = 4;

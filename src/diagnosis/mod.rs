@@ -66,9 +66,9 @@ pub use reasons::by_reason;
 pub use shrink::{BeforeAfter, torque_shrink};
 pub use traces::{Held, JointTraces, Traces};
 
+use crate::follow::{Interrupted, Watch, stoppable};
 use crate::signals::Samples;
 use crate::twin::Twin;
-use crate::watch::{Interrupted, Watch, stoppable};
 
 /// Choices of a diagnosis; echoed in every output.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]

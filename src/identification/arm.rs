@@ -14,8 +14,8 @@ use super::{
     Found, JointEstimate, MethodResult, ParameterEstimate, adaptive_metropolis, judge, pso,
     separable, shared,
 };
+use crate::follow::{Watch, go_on, stoppable};
 use crate::regression::bounds::Bounds;
-use crate::watch::{Watch, go_on, stoppable};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]

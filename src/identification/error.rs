@@ -2,10 +2,10 @@
 
 use thiserror::Error;
 
+use crate::follow::Interrupted;
 use crate::regression::bounds::BoundsError;
 use crate::signals::SignalError;
 use crate::statistics::StatisticsError;
-use crate::watch::Interrupted;
 
 #[derive(Debug, Error)]
 pub enum IdentificationError {

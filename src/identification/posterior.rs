@@ -26,9 +26,9 @@ use super::error::IdentificationError;
 use super::problem::{Column, Curve, JointProblem};
 use super::quadratic::QuadraticCost;
 use super::{LEVEL, ParameterEstimate, judge, separable};
+use crate::follow::{Watch, go_on};
 use crate::regression::bounds::Bounds;
 use crate::statistics::{Autoregression, Convergence, Whitening};
-use crate::watch::{Watch, go_on};
 
 /// Fits after whitening with the residual of the one before.
 const ROUNDS: usize = 2;

@@ -1,6 +1,7 @@
 //! What can go wrong in a job, with the words that people get.
 
 use crate::diagnosis::DiagnosisError;
+use crate::follow::Interrupted;
 use crate::identification::IdentificationError;
 use crate::motion::MotionError;
 use crate::recording::RecordingError;
@@ -9,7 +10,6 @@ use crate::robot::RobotError;
 use crate::signals::SignalError;
 use crate::simulation::{ScenarioError, SimulationError};
 use crate::twin::TwinError;
-use crate::watch::Interrupted;
 
 #[derive(Debug, thiserror::Error)]
 pub enum WorkflowError {

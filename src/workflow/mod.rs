@@ -5,7 +5,7 @@
 //! `identification` or `diagnosis`. An options struct per job ([`Identify`], [`Diagnose`], [`Simulate`])
 //! has the program's defaults; [`identify`], [`diagnose`] and [`simulate`] are the jobs with these.
 //!
-//! Long work is followed and ended by a [`Watch`](crate::watch::Watch).
+//! Long work is followed and ended by a [`Watch`](crate::follow::Watch).
 
 mod arm;
 mod diagnose;

@@ -5,10 +5,10 @@ use std::borrow::Cow;
 use std::ops::Deref;
 
 use super::{Arm, WorkflowError};
+use crate::follow::Watch;
 use crate::plausibility::Doubt;
 use crate::recording::{Recording, refuse_same};
 use crate::signals::thin;
-use crate::watch::Watch;
 
 /// How recordings are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use super::WorkflowError;
 use crate::effects::{self, Effect, Role};
+use crate::follow::Watch;
 use crate::motion::{self, Trajectory};
 use crate::resimulation;
 use crate::simulation::{
     Experiment, Glimpse, Moved, Run, Scenario, ScenarioError, Simulation, SimulationError, Truth,
 };
 use crate::twin::{DriveTable, PerJoint, Twin};
-use crate::watch::Watch;
 
 /// What a scenario of `armtwin simulate` can say; the defaults are its.
 ///

@@ -1,9 +1,9 @@
 //! The jobs as a library user calls them.
 
 use super::*;
+use crate::follow::Token;
 use crate::identification::Method;
 use crate::motion::{Kind, Settings};
-use crate::watch::Token;
 
 /// A UR5 with friction, moved for a few seconds.
 fn moved() -> (Twin, Simulated) {

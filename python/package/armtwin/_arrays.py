@@ -45,3 +45,11 @@ def motion(**given: ArrayLike) -> tuple[bool, list[Floats]]:
     single = all(array.ndim == 1 for array in arrays.values())
     shaped = (array[None, :] if single else array for array in arrays.values())
     return single, [matrix(name, array) for name, array in zip(arrays, shaped)]
+
+
+def unwrapped(single: bool, found: Floats) -> Floats:
+    """The only one of many, where one was asked for."""
+    if not single:
+        return found
+    one: Floats = found[0]
+    return one

@@ -111,7 +111,7 @@ def _urdf(model: Any, chain: list[int]) -> str:
         anchor = np.asarray(model.jnt_pos[joint], dtype=np.float64) if joint >= 0 else np.zeros(3)
         at = at + turn @ anchor
         lines += _link(model, body, name, anchor)
-        kind, more = "fixed", []
+        kind, more = "fixed", list[str]()
         label = f"to_{name}"
         if joint >= 0:
             label = model.joint(joint).name or label

@@ -62,4 +62,5 @@ class Table:
         """As a data frame, with all digits."""
         import pandas as pd
 
-        return pd.DataFrame(list(self.rows), columns=list(self.columns))
+        frame: pd.DataFrame = pd.DataFrame(list(self.rows), columns=list(self.columns))
+        return frame

@@ -56,9 +56,9 @@ class Parameter:
 
     @staticmethod
     def _of(raw: Mapping[str, Any]) -> Parameter:
-        number = {key: _number(raw[key]) for key in ("value", "low", "high", "p")}
-        same = {key: raw[key] for key in ("name", "unit", "at_bound", "identifiable", "why_not")}
-        return Parameter(**number, **same)
+        same: dict[str, Any] = {key: raw[key] for key in ("name", "unit", "at_bound", "identifiable", "why_not")}
+        same.update({key: _number(raw[key]) for key in ("value", "low", "high", "p")})
+        return Parameter(**same)
 
     def __repr__(self) -> str:
         told = f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}] {self.unit}"

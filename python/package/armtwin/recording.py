@@ -177,7 +177,8 @@ class Recording:
         stem = SIGNALS.get(name, name)
         found = self._engine.joints(stem)
         if found is not None:
-            return found.T
+            signal: Floats = found.T
+            return signal
         column = self._engine.column(name)
         if column is None:
             raise KeyError(f"{name}: there are {', '.join(self.signals)}")
@@ -245,7 +246,8 @@ class Recording:
         import pandas as pd
 
         columns = {name: self._engine.column(name) for name in self._engine.columns()}
-        return pd.DataFrame(columns, index=pd.Index(self.t, name="timestamp"))
+        frame: pd.DataFrame = pd.DataFrame(columns, index=pd.Index(self.t, name="timestamp"))
+        return frame
 
     def to_dict(self) -> dict[str, Any]:
         """Where it came from, and every column as a list."""

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from . import _engine
-from ._arrays import ArrayLike, Floats, motion
+from ._arrays import ArrayLike, Floats, motion, unwrapped
 from ._errors import InputError
 
 __all__ = ["Robot", "Twin"]
@@ -62,7 +62,7 @@ class Robot:
         """
         single, [q_] = motion(q=q)
         found = self._engine.mass_matrix(q_)
-        return found[0] if single else found
+        return unwrapped(single, found)
 
     def inverse_dynamics(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> Floats:
         """Torque that moves the bodies.
@@ -79,7 +79,7 @@ class Robot:
         """
         single, arrays = motion(q=q, qd=qd, qdd=qdd)
         found = self._engine.inverse_dynamics(*arrays).T
-        return found[0] if single else found
+        return unwrapped(single, found)
 
     def gravity(self, q: ArrayLike) -> Floats:
         """Torque that holds the bodies still, N.m; shapes as in `inverse_dynamics`."""
@@ -101,7 +101,7 @@ class Robot:
         """
         single, arrays = motion(q=q, qd=qd, qdd=qdd)
         found = self._engine.regressor(*arrays)
-        return found[0] if single else found
+        return unwrapped(single, found)
 
     @property
     def inertial_parameters(self) -> Floats:
@@ -270,9 +270,9 @@ class Twin:
         ndarray, shape (n,) or (T, n)
             N.m
         """
-        single, arrays = motion(q=q, qd=qd, qdd=qdd)
-        found = self._engine.torque(*arrays, dt).T
-        return found[0] if single else found
+        single, (q_, qd_, qdd_) = motion(q=q, qd=qd, qdd=qdd)
+        found = self._engine.torque(q_, qd_, qdd_, dt).T
+        return unwrapped(single, found)
 
     def to_toml(self) -> str:
         """Text of a ``TWIN.toml``."""

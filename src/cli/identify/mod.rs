@@ -216,6 +216,9 @@ impl Args {
         if !asked && (self.save_urdf.is_some() || self.total_mass.is_some()) {
             bail!("--save-urdf and --total-mass are of the links: add --with {INERTIA}");
         }
+        if let Some(mass) = self.total_mass.filter(|m| !(*m > 0.0 && m.is_finite())) {
+            bail!("--total-mass {mass}: give the mass of all moving links, kg");
+        }
         if asked && self.save_twin.is_some() && self.save_urdf.is_none() {
             bail!("--save-twin with {INERTIA} refers to the links found: add --save-urdf FILE");
         }

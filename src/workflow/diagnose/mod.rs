@@ -13,12 +13,12 @@ use std::time::Instant;
 use super::{Arm, Prepared, Reading, SignalOptions, WorkflowError, conditioned};
 use crate::diagnosis::{self, Diagnosis, Settings, Traces, mend};
 use crate::effects;
+use crate::follow::Watch;
 use crate::recording::{Provenance, Recording};
 use crate::report::Fact;
 use crate::series::JointSeries;
 use crate::signals::{Conditioning, Samples};
 use crate::twin::Twin;
-use crate::watch::Watch;
 
 pub use document::DiagnosisDocument;
 

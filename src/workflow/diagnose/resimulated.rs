@@ -1,6 +1,7 @@
 //! Both twins moved again along the check recording.
 
 use crate::diagnosis::{Diagnosis, SimulationShrink, mend};
+use crate::follow::{Interrupted, Watch};
 use crate::recording::Recording;
 use crate::resimulation::{
     Errors, Replayed, ResimulationError, WINDOW_S, closed_loop, command, errors,
@@ -9,7 +10,6 @@ use crate::series::JointSeries;
 use crate::signals::Samples;
 use crate::simulation::ControllerSettings;
 use crate::twin::Twin;
-use crate::watch::{Interrupted, Watch};
 
 /// Adds what the causes bring in the simulation to `diagnosis`; a note where that cannot be said.
 /// Positions, rad, of the twin as given and, where causes are named, of the mended one.

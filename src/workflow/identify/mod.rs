@@ -11,6 +11,7 @@ use std::borrow::Cow;
 
 use super::{Arm, Prepared, Reading, SignalOptions, WorkflowError, conditioned};
 use crate::diagnosis;
+use crate::follow::Watch;
 use crate::identification::{
     self, ArmProblem, BoundsByName, Dropped, IdentificationError, Inertial, LinkFit, Located,
     Method, MethodResult, Search, Settings, Terms, assemble_around,
@@ -18,7 +19,6 @@ use crate::identification::{
 use crate::recording::{Provenance, Recording, refuse_same};
 use crate::signals::{Conditioning, Samples};
 use crate::twin::Twin;
-use crate::watch::Watch;
 
 pub use document::IdentificationDocument;
 pub use rigid_body::{BaseRow, INERTIA, Left, Link, LinkValue, Summary};
