@@ -191,6 +191,24 @@ impl Identify {
         Ok(())
     }
 
+    /// What goes with the rigid body makes sense beside it alone.
+    fn check_inertia(&self) -> Result<(), WorkflowError> {
+        let asked = self.asks_for_inertia();
+        let beside = |n: &String| n == "payload" || n == "link_inertia";
+        let wrong = match self.total_mass {
+            Some(_) if !asked => format!("a total mass is of the links: fit {INERTIA} with it"),
+            _ if asked && self.with.iter().chain(&self.terms).any(beside) => format!(
+                "{INERTIA}: a payload or a link's change cannot be told from the links themselves; \
+                 leave `payload` and `link_inertia` out"
+            ),
+            Some(mass) if !(mass > 0.0 && mass.is_finite()) => {
+                format!("total mass {mass}: give the mass of all moving links, kg")
+            }
+            _ => return Ok(()),
+        };
+        Err(WorkflowError::Asked(wrong))
+    }
+
     /// Which effects are fitted to recordings of `arm`.
     ///
     /// # Errors

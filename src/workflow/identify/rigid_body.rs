@@ -2,12 +2,10 @@
 
 use serde::Serialize;
 
-use super::Identify;
 use crate::identification::{self, Inertial, LEVEL, MethodResult, ParameterEstimate, RigidBody};
 use crate::rigid_body::parameters;
 use crate::robot::{Inertia, Robot};
 use crate::statistics::normal_quantile;
-use crate::workflow::WorkflowError;
 
 /// Stands for the inertial parameters of all links among the effects to fit: no effect of the catalogue.
 pub const INERTIA: &str = "inertia";
@@ -129,26 +127,6 @@ fn notes(found: &RigidBody, model: &Robot) -> Vec<String> {
         )
     });
     mended.chain(implausible).collect()
-}
-
-impl Identify {
-    /// What goes with the rigid body makes sense beside it alone.
-    pub(super) fn check_inertia(&self) -> Result<(), WorkflowError> {
-        let asked = self.asks_for_inertia();
-        let beside = |n: &String| n == "payload" || n == "link_inertia";
-        let wrong = match self.total_mass {
-            Some(_) if !asked => format!("a total mass is of the links: fit {INERTIA} with it"),
-            _ if asked && self.with.iter().chain(&self.terms).any(beside) => format!(
-                "{INERTIA}: a payload or a link's change cannot be told from the links themselves; \
-                 leave `payload` and `link_inertia` out"
-            ),
-            Some(mass) if !(mass > 0.0 && mass.is_finite()) => {
-                format!("total mass {mass}: give the mass of all moving links, kg")
-            }
-            _ => return Ok(()),
-        };
-        Err(WorkflowError::Asked(wrong))
-    }
 }
 
 fn base_rows(inertial: &Inertial, rows: &[ParameterEstimate]) -> Vec<BaseRow> {
