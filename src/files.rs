@@ -1,6 +1,7 @@
 //! Output files: under their final name only when whole, over nothing that armtwin did not write
 //! ([`guard`]), and without a trace of them where the program is interrupted.
 
+mod digest;
 pub mod guard;
 
 use std::fs::{self, File, OpenOptions};
@@ -10,6 +11,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
+pub use digest::{sha256, sha256_of_file};
 pub use guard::may_write;
 
 /// Writes through `fill` into a temporary neighbour of `path`, then renames it. Standard output (`-`),
@@ -138,7 +140,7 @@ impl Temporary {
 
     /// Takes the place of `path`, which is `listed` as armtwin's from then on.
     fn becomes(mut self, path: &Path, listed: bool) -> io::Result<()> {
-        let digest = if listed { Some(guard::digest(self.file()?.path())?) } else { None };
+        let digest = if listed { Some(sha256_of_file(self.file()?.path())?) } else { None };
         make_readable(self.file()?.as_file())?;
         // Held, so that an interruption comes before all of it or after.
         let mut open = open_files();

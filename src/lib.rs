@@ -70,6 +70,7 @@ pub mod simulation;
 pub mod statistics;
 #[cfg(feature = "studies")]
 pub mod studies;
+pub mod text;
 #[cfg(feature = "studies")]
 pub mod trials;
 pub mod twin;

@@ -6,7 +6,7 @@ use super::model::COUNT;
 use super::paper::printed;
 use super::report::{CombinationReport, Given, MethodReport, ParameterReport, ScenarioReport};
 use super::scenario::Channel;
-use crate::report::table;
+use crate::text::table;
 
 /// A table before it is drawn.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,6 +3,8 @@
 use serde::Serialize;
 
 use super::dependence::Dependence;
+pub use super::error::MotorError;
+use super::error::error_percent;
 use super::experiment::{Clean, Record};
 use super::fit::{End, Fit, Tick, least_squares, swarm};
 use super::inference::{ALPHA, Combination, Conventions, Interval, Knowledge, analyse};
@@ -10,19 +12,9 @@ use super::input::Excitation;
 use super::model::{COUNT, Motor, NAMES, UNITS};
 use super::output_error::OutputError;
 use super::scenario::{Channel, NlseSettings, Scenario};
-use super::simulate::{Accuracy, Failure, Output, simulate};
+use super::simulate::{Accuracy, Output, simulate};
 use crate::identification::pso;
-use crate::statistics::{Goodness, StatisticsError};
-
-#[derive(Debug, thiserror::Error)]
-pub enum MotorError {
-    #[error("the true motor cannot be simulated: {0}")]
-    Truth(Failure),
-    #[error("no motor within the bounds can be simulated: narrow the bounds of the viscous terms")]
-    NothingFits,
-    #[error("the estimate cannot be analysed: {0}")]
-    Statistics(#[from] StatisticsError),
-}
+use crate::statistics::Goodness;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
@@ -264,10 +256,6 @@ fn goodness(values: &[f64; COUNT], record: &Record) -> Result<Goodness, MotorErr
     simulate(&Motor::from_array(values), &record.input, Accuracy::SEARCH, &mut output)
         .map_err(|_| MotorError::NothingFits)?;
     Ok(Goodness::of(&record.measured.omega, &output.omega))
-}
-
-pub(super) fn error_percent(value: f64, truth: f64) -> Option<f64> {
-    (truth != 0.0).then(|| 100.0 * (value / truth - 1.0))
 }
 
 fn combinations(scenario: &Scenario, knowledge: &Knowledge) -> Vec<CombinationReport> {

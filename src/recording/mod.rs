@@ -3,6 +3,8 @@
 
 mod arrays;
 mod bag;
+#[cfg_attr(not(feature = "bags"), allow(dead_code))]
+mod bag_map;
 mod blocks;
 mod check;
 mod columns;
@@ -11,6 +13,7 @@ mod draft;
 mod error;
 mod file;
 mod format;
+mod formats;
 mod guard;
 mod halves;
 pub mod inspection;
@@ -23,6 +26,7 @@ mod parquet_file;
 mod parquet_sizes;
 mod rtde_csv;
 mod same;
+mod scale;
 mod table;
 mod text;
 #[cfg(feature = "parquet")]
@@ -33,7 +37,8 @@ pub use check::{FEWEST_SAMPLES, JOINT_SIGNALS};
 pub use columns::ColumnMap;
 pub use draft::{Draft, draft};
 pub use error::RecordingError;
-pub use format::{FORMATS, Format, WriteOptions, read, read_by, write, writer};
+pub use format::{Format, WriteOptions};
+pub use formats::{FORMATS, read, read_by, write, writer};
 pub use rtde_csv::write_csv;
 pub use same::refuse_same;
 pub use text::Delimiter;

@@ -124,7 +124,7 @@ impl Simulate {
     pub fn run(&self, twin: &Twin, watch: &dyn Watch) -> Result<Simulated, WorkflowError> {
         let moved = Moved {
             robot: twin.robot.clone(),
-            drive: resimulation::drive(twin),
+            drive: twin.whole_drive(),
             known: resimulation::injections(twin, 0.0),
             notes: twin.notes.clone(),
         };

@@ -1,9 +1,9 @@
 //! The gap by joint and by regime.
 
-use super::page::titled;
 use crate::diagnosis::{Gap, JointGap};
 use crate::report::diagnosis as rows;
 use crate::report::table;
+use crate::text::titled;
 
 pub fn section(gap: &Gap) -> String {
     let joints = table(&rows::GAP, 1, gap.joints.iter().map(rows::gap));

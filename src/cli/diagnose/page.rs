@@ -4,6 +4,7 @@ use super::{causes, gap};
 use crate::diagnosis::{Diagnosis, Ranked, words};
 use crate::report::diagnosis as rows;
 use crate::report::{paragraph, table};
+use crate::text::titled;
 use crate::workflow::Diagnosed;
 
 pub fn page(done: &Diagnosed) -> String {
@@ -20,11 +21,6 @@ pub fn findings(d: &Diagnosis) -> String {
     text += &unexplained(d);
     text += &episodes(d);
     text + &next(d)
-}
-
-/// What is not there is left out.
-pub fn titled(title: &str, body: &str) -> String {
-    if body.trim().is_empty() { String::new() } else { format!("{title}\n{}\n\n", body.trim_end()) }
 }
 
 fn ranking(ranking: &[Ranked]) -> String {

@@ -3,17 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use super::joints::Sampled;
-use super::map::{BagMap, Effort};
 use super::outgoing::Outgoing;
 use super::topics::{Numbers, Topics};
-use super::{effort, mcap_file, names, sqlite_file};
+use super::{bad, effort, mcap_file, names, sqlite_file};
+use crate::recording::bag_map::{BagMap, Effort};
 use crate::recording::check::refuse_bad;
 use crate::recording::file::{open, replace, unwritten};
 use crate::recording::format::{Format, WriteOptions};
 use crate::recording::{Channel, ColumnMap, Provenance, Recording, RecordingError};
 
-/// Where columns are kept that have no place in a joint state.
-pub(super) const OWN_TOPICS: &str = "/armtwin/";
 /// Stamps from this time on (September 2001, ns) are of the calendar: time then counts from the first.
 const CALENDAR: i64 = 1_000_000_000_000_000_000;
 
@@ -207,8 +205,4 @@ fn own_channels(all: Vec<Numbers>, logged: &[i64], notes: &mut Vec<String>) -> V
         }
     }
     channels
-}
-
-pub(super) fn bad(file: &str, what: String, remedy: &'static str) -> RecordingError {
-    RecordingError::Container { file: file.into(), what, remedy }
 }

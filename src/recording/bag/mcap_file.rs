@@ -8,7 +8,7 @@ use std::path::Path;
 use mcap::records::MessageHeader;
 use mcap::{Compression, McapError};
 
-use super::format::bad;
+use super::bad;
 use super::mcap_records::{self, Broken, Record};
 use super::message::definition;
 use super::outgoing::Outgoing;

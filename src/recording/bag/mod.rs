@@ -11,8 +11,6 @@ mod effort;
 mod format;
 #[cfg(feature = "bags")]
 mod joints;
-#[cfg_attr(not(feature = "bags"), allow(dead_code))]
-mod map;
 #[cfg(feature = "bags")]
 mod mcap_file;
 #[cfg(feature = "bags")]
@@ -33,4 +31,12 @@ mod topics;
 pub use effort::settle as settle_effort;
 #[cfg(feature = "bags")]
 pub use format::RosBag;
-pub use map::BagMap;
+
+/// Where columns are kept that have no place in a joint state.
+#[cfg(feature = "bags")]
+const OWN_TOPICS: &str = "/armtwin/";
+
+#[cfg(feature = "bags")]
+fn bad(file: &str, what: String, remedy: &'static str) -> super::RecordingError {
+    super::RecordingError::Container { file: file.into(), what, remedy }
+}

@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use super::format::{OWN_TOPICS, bad};
 use super::message::{JOINT_STATE, NUMBERS, joint_state, numbers};
+use super::{OWN_TOPICS, bad};
 use crate::recording::check::split_index;
 use crate::recording::{Recording, RecordingError};
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, ErrorCode, OpenFlags, OptionalExtension, params};
 
-use super::format::bad;
+use super::bad;
 use super::outgoing::Outgoing;
 use super::topics::Topics;
 use crate::limits::{CHUNK, Expansion, STEPS, TooMuch};

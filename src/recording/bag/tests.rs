@@ -7,8 +7,8 @@ use mcap::records::MessageHeader;
 
 use std::path::{Path, PathBuf};
 
-use super::map::{BagMap, Effort};
 use super::{RosBag, effort};
+use crate::recording::bag_map::{BagMap, Effort};
 use crate::recording::format::Format;
 use crate::recording::{self, write};
 use crate::recording::{Channel, ColumnMap, Provenance, Recording, RecordingError};

@@ -7,7 +7,7 @@ use super::frame::{Fact, Page, Section, facts};
 use super::plot::{AFTER, BEFORE, Curve, Drawn, MEASURED, Plot, key, with_gaps};
 use super::table::table;
 use crate::identification::{JointEstimate, MethodResult, ParameterEstimate};
-use crate::report::to_uncertainty;
+use crate::text::to_uncertainty;
 
 /// Points of a curve at most.
 const MOST_POINTS: usize = 900;

@@ -27,6 +27,14 @@ fn failed(e: impl std::fmt::Display) -> StudyError {
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
+impl Figure {
+    /// # Errors
+    /// If the plotting library refuses.
+    pub fn svg(&self) -> Result<String, StudyError> {
+        draw(self)
+    }
+}
+
 /// Panels in rows, all of one size.
 ///
 /// # Errors

@@ -1,8 +1,5 @@
 //! What a study's plots show, as data: a file of its own as SVG, or a plot of a page.
 
-use super::chart;
-use crate::studies::StudyError;
-
 /// Panels with one legend, and the file their drawing goes to.
 #[derive(Debug, Clone)]
 pub struct Figure {
@@ -57,12 +54,6 @@ impl Figure {
             }
         }
         labels
-    }
-
-    /// # Errors
-    /// If the plotting library refuses.
-    pub fn svg(&self) -> Result<String, StudyError> {
-        chart::draw(self)
     }
 }
 

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use super::seen::in_order;
 use super::{Page, distinct, quantile};
-use crate::report::markdown_table;
 use crate::studies::sweep::chart::digits;
 use crate::studies::sweep::panel::{Figure, Line, Panel, Scale};
 use crate::studies::sweep::study::Study;
 use crate::studies::sweep::table::Table;
+use crate::text::markdown_table;
 
 /// More samples of a longer motion, and of the same at a higher rate.
 const LONGER: &str = "samples (duration)";

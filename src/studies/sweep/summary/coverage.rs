@@ -1,12 +1,12 @@
 //! Do the intervals hold the truth as often as they say?
 
-use super::identification::{Chapter, Part};
+use super::chapter::{Chapter, Part};
 use super::seen::{CONVENTIONS, Seen, in_order};
 use super::{decibel, listed, over_snr, percent, quantile};
 use crate::identification::LEVEL;
-use crate::report::markdown_table;
 use crate::statistics::{normal_quantile, normal_two_sided};
 use crate::studies::sweep::panel::{Line, Panel, Scale};
+use crate::text::markdown_table;
 
 /// Intervals that hold the truth less often than this, of 99 % ones, lie.
 const LIE: f64 = 0.95;

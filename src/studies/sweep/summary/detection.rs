@@ -1,6 +1,6 @@
 //! Which terms are found down to which noise, and which are found that are not there.
 
-use super::identification::{Chapter, Part};
+use super::chapter::{Chapter, Part};
 use super::seen::{ALPHA, CONVENTIONS, Seen, in_order};
 use super::{decibel, down_to, listed, over_snr, percent};
 use crate::studies::sweep::panel::{Line, Panel, Scale};

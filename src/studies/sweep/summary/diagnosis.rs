@@ -2,10 +2,10 @@
 
 use super::seen::in_order;
 use super::{Page, decibel, distinct, down_to, listed, over_snr, percent};
-use crate::report::markdown_table;
 use crate::studies::sweep::panel::{Figure, Line, Panel, Scale};
 use crate::studies::sweep::study::NO_EFFECT;
 use crate::studies::sweep::table::Table;
+use crate::text::markdown_table;
 
 /// Named in so many of the cases counts as found.
 const FOUND: f64 = 0.9;

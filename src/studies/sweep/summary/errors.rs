@@ -1,6 +1,6 @@
 //! How far estimates are off, and which parameter goes first.
 
-use super::identification::{Chapter, Part};
+use super::chapter::{Chapter, Part};
 use super::seen::{Seen, in_order};
 use super::{decibel, listed, over_snr, percent, quantile};
 use crate::studies::sweep::panel::{Line, Panel, Scale};

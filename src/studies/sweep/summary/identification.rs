@@ -1,31 +1,10 @@
 //! Identification: errors, coverage, detection, for the arm and for the motor.
 
+use super::chapter::{Chapter, Part};
 use super::seen::{Seen, in_order, seen};
 use super::{Page, coverage, detection, distinct, errors, rounding};
-use crate::studies::sweep::panel::{Figure, Panel};
+use crate::studies::sweep::panel::Figure;
 use crate::studies::sweep::table::Table;
-
-/// One system's rows.
-pub struct Part<'a> {
-    pub rows: Vec<&'a Seen>,
-    /// Rows that no sensor rounded, where the others are rounded.
-    pub exact: Vec<&'a Seen>,
-    /// Signal-to-noise ratios, rising, dB; infinite is no noise.
-    pub snrs: Vec<f64>,
-    pub methods: Vec<&'a str>,
-}
-
-impl<'a> Part<'a> {
-    /// The method whose errors and tests stand in the tables.
-    pub fn main(&self) -> &'a str {
-        let nlse = self.methods.iter().find(|m| **m == "nlse");
-        nlse.or(self.methods.first()).copied().unwrap_or_default()
-    }
-
-    pub fn of<'b>(&'b self, method: &'b str) -> impl Iterator<Item = &'a Seen> + 'b {
-        self.rows.iter().copied().filter(move |r| r.method == method)
-    }
-}
 
 pub fn page(cells: &Table) -> Page {
     let all = seen(cells);
@@ -59,18 +38,4 @@ pub fn page(cells: &Table) -> Page {
         page.text.push('\n');
     }
     page
-}
-
-/// What one aspect comes to.
-pub struct Chapter {
-    /// Name of the figure's file, before the system and the ending.
-    pub name: &'static str,
-    /// The conclusion, in words.
-    pub says: String,
-    /// Headline and tables.
-    pub text: String,
-    pub caption: String,
-    /// Panels of the figure, and how many stand side by side.
-    pub panels: Vec<Panel>,
-    pub columns: usize,
 }

@@ -1,5 +1,6 @@
 //! A finished study in words, tables and plots.
 
+mod chapter;
 mod cost;
 mod coverage;
 mod detection;
@@ -12,7 +13,7 @@ mod seen;
 use super::panel::{Figure, Panel};
 use super::study::{Question, Study};
 use super::table::Table;
-use crate::report::markdown_table;
+use crate::text::markdown_table;
 
 /// What a study comes to.
 pub struct Page {

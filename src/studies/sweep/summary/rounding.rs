@@ -1,7 +1,7 @@
 //! What the sensors' rounding does where noise does not blur its steps: rounded and exact cells of
 //! the same motions side by side.
 
-use super::identification::{Chapter, Part};
+use super::chapter::{Chapter, Part};
 use super::seen::{Seen, in_order};
 use super::{decibel, distinct, over_snr, percent, quantile};
 use crate::studies::sweep::panel::{Line, Panel, Scale};
