@@ -1,6 +1,7 @@
 //! Flags that set how a recording is conditioned, for every command that takes one.
 
 use crate::signals::{Conditioning, Derivatives};
+use crate::workflow::SignalOptions;
 
 /// What is not given stays as [`Conditioning::default`] has it.
 #[derive(clap::Args, Default)]
@@ -50,30 +51,25 @@ enum Source {
 
 impl ConditioningArgs {
     pub fn conditioning(&self) -> Conditioning {
-        self.over(Conditioning::default())
+        self.options().over(Conditioning::default())
     }
 
     /// The least rate of a recording that what was given can do with, Hz.
     pub fn floor_hz(&self) -> f64 {
-        // A low-pass wants its cutoff well below half the rate; who decimates counts recorded rows.
-        let cutoffs = [self.motion_cutoff, self.torque_cutoff].map(|c| 2.5 * c.unwrap_or(0.0));
-        let rates = [self.rate.unwrap_or(0.0), self.decimate.map_or(0.0, |_| f64::INFINITY)];
-        cutoffs.into_iter().chain(rates).fold(0.0, f64::max)
+        self.options().floor_hz()
     }
 
-    /// `usual` with what was given written over it.
-    pub fn over(&self, usual: Conditioning) -> Conditioning {
-        Conditioning {
-            rate_hz: self.rate.or(usual.rate_hz),
-            derivatives: self.derivatives.map_or(usual.derivatives, Source::derivatives),
-            motion_cutoff_hz: self.motion_cutoff.unwrap_or(usual.motion_cutoff_hz),
-            torque_cutoff_hz: self.torque_cutoff.unwrap_or(usual.torque_cutoff_hz),
-            filter_order: self.filter_order.unwrap_or(usual.filter_order),
-            standstill_rad_s: self.standstill.unwrap_or(usual.standstill_rad_s),
-            guard_s: self.guard.unwrap_or(usual.guard_s),
-            margin_s: self.margin.unwrap_or(usual.margin_s),
-            decimation: self.decimate.or(usual.decimation),
-            ..usual
+    pub fn options(&self) -> SignalOptions {
+        SignalOptions {
+            rate_hz: self.rate,
+            derivatives: self.derivatives.map(Source::derivatives),
+            motion_cutoff_hz: self.motion_cutoff,
+            torque_cutoff_hz: self.torque_cutoff,
+            filter_order: self.filter_order,
+            standstill_rad_s: self.standstill,
+            guard_s: self.guard,
+            margin_s: self.margin,
+            decimation: self.decimate,
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::outputs::Output;
-use super::recordings::{ReadArgs, words};
+use super::recordings::ReadArgs;
 use super::save;
 use super::twin::ArmArgs;
 use crate::plausibility::{self, Judgement, Slope};
@@ -38,7 +38,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let mut recording = args.read.read(&args.recording)?;
     let (arm, judged) = held_against(&args.arm, &mut recording)?;
     let mut inspection = inspect(&recording);
-    let doubts = judged.doubts.iter().map(words);
+    let doubts = judged.doubts.iter().map(ToString::to_string);
     inspection.findings = doubts.chain(inspection.findings).collect();
     let inspected =
         Inspected { inspection: &inspection, arm: &arm, torque_over_predicted: &judged.slopes };

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use super::outputs::Output;
-use super::recordings::words;
 use super::{out, save};
 use crate::plausibility::{judge_alone, likely_arms};
 use crate::recording::{self, ColumnMap, Draft, Recording};
@@ -81,7 +80,7 @@ fn remarks(
         Err(why) => _ = writeln!(text, "# It cannot be read like this: {why}"),
         Ok(recording) => {
             let doubts = judge_alone(recording);
-            doubts.iter().for_each(|d| _ = writeln!(text, "# Doubtful: {}", words(d)));
+            doubts.iter().for_each(|d| _ = writeln!(text, "# Doubtful: {d}"));
         }
     }
     match arm {

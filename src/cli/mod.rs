@@ -45,6 +45,7 @@ mod urdf;
 mod view;
 mod watch;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -98,15 +99,20 @@ fn command() -> clap::Command {
 
 /// Runs the program: 0 done, 1 the work could not be done, 2 wrong usage.
 pub fn main() -> ExitCode {
+    main_of(std::env::args_os()).into()
+}
+
+/// Runs the program on a command line, its own name first; the exit code.
+pub fn main_of(words: impl IntoIterator<Item = OsString>) -> u8 {
     let command = command();
-    let matches = command.clone().get_matches();
+    let matches = command.clone().get_matches_from(words);
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|wrong| wrong.exit());
     let asked = interrupt::listen().and_then(|()| outputs::ask(&command, &matches));
     match asked.and_then(|()| run(cli)) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(error) => {
             eprintln!("error: {}", in_words(&error));
-            ExitCode::FAILURE
+            1
         }
     }
 }

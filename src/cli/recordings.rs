@@ -1,14 +1,15 @@
 //! How a command reads a recording: which columns and which stretch, held against the arm before anything
 //! is worked out from it, and thinned where it has more rows than that needs.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 
 use super::twin::Arm;
-use crate::plausibility::{self, Doubt};
+use crate::follow::Watch;
 use crate::recording::{self, FEWEST_SAMPLES, Recording};
-use crate::signals::thin;
+use crate::workflow::{Prepared, Reading, WorkflowError};
 
 /// What every command that takes a recording takes with it.
 #[derive(clap::Args, Clone, Default)]
@@ -74,39 +75,24 @@ impl WorkArgs {
     /// # Errors
     /// If it cannot be read, is of another number of joints, or contradicts itself or the arm and is
     /// not forced.
-    pub fn read(&self, path: &Path, arm: &Arm, floor_hz: f64) -> anyhow::Result<Recording> {
-        let mut recording = self.read.read(path)?;
-        arm.settle(&mut recording)?;
-        self.stop(path, arm.judge(&recording).doubts)?;
-        if self.every_row {
-            return Ok(recording);
-        }
-        let Some(thinned) = thin(&recording, floor_hz) else { return Ok(recording) };
-        if let Some(note) = thinned.provenance.notes.last() {
-            eprintln!("note: {}: {note}", path.display());
-        }
-        Ok(thinned)
+    pub fn read(
+        &self,
+        path: &Path,
+        arm: &Arm,
+        floor_hz: f64,
+        watch: &dyn Watch,
+    ) -> anyhow::Result<Prepared<'static>> {
+        let recording = Cow::Owned(self.read.read(path)?);
+        let taken = self.reading().take(recording, arm, floor_hz, watch);
+        taken.map_err(|error| match error {
+            WorkflowError::Doubted { .. } => {
+                anyhow!("{error}\n(--force goes on with it as it is; `armtwin inspect` shows more)")
+            }
+            other => other.into(),
+        })
     }
 
-    fn stop(&self, path: &Path, doubts: Vec<Doubt>) -> anyhow::Result<()> {
-        let words: Vec<String> = doubts.iter().map(words).collect();
-        if self.force {
-            words.iter().for_each(|w| eprintln!("warning: {}: {w}", path.display()));
-            return Ok(());
-        }
-        match words.is_empty() {
-            true => Ok(()),
-            false => bail!(
-                "{}: {}\n(--force goes on with it as it is; `armtwin inspect` shows more)",
-                path.display(),
-                words.join("\nand: ")
-            ),
-        }
+    fn reading(&self) -> Reading {
+        Reading { every_row: self.every_row, force: self.force }
     }
-}
-
-/// One sentence without its full stop.
-pub fn words(doubt: &Doubt) -> String {
-    let plausibility::Doubt { what, remedy } = doubt;
-    if remedy.is_empty() { what.clone() } else { format!("{what}; {remedy}") }
 }

@@ -1,5 +1,6 @@
 //! All joints by each method.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -11,6 +12,7 @@ use super::prepared::Prepared;
 use super::problem::JointProblem;
 use super::settings::{Method, Settings};
 use super::{Found, JointEstimate, MethodResult, ParameterEstimate, judge, shared};
+use crate::follow::{Watch, go_on, stoppable};
 
 /// What a search of one joint came to.
 struct Searched {
@@ -32,18 +34,27 @@ pub fn identify(
     check: Option<&ArmProblem>,
     settings: &Settings,
 ) -> Result<Vec<MethodResult>, IdentificationError> {
-    identify_telling(fit, check, settings, &|| {})
+    identify_watched(fit, check, settings, &())
 }
 
-/// Fits like [`identify`], and tells whenever one joint is through one method.
+/// Fits like [`identify`], tells `watch` whenever one joint is through one method, and ends when it says so.
 ///
 /// # Errors
-/// As [`identify`].
-pub fn identify_telling(
+/// As [`identify`], and if it is ended.
+pub fn identify_watched(
     fit: &ArmProblem,
     check: Option<&ArmProblem>,
     settings: &Settings,
-    tell: &(dyn Fn() + Sync),
+    watch: &dyn Watch,
+) -> Result<Vec<MethodResult>, IdentificationError> {
+    stoppable(watch, || by_all(fit, check, settings, watch))?
+}
+
+fn by_all(
+    fit: &ArmProblem,
+    check: Option<&ArmProblem>,
+    settings: &Settings,
+    watch: &dyn Watch,
 ) -> Result<Vec<MethodResult>, IdentificationError> {
     if settings.methods.contains(&Method::Mcmc) && !fit.shared.is_empty() {
         let names: Vec<_> = fit.shared.iter().map(|p| p.name.as_str()).collect();
@@ -54,10 +65,14 @@ pub fn identify_telling(
     let check = check.map(|c| shared::take_off(c, &common));
     let prepared: Vec<Prepared> =
         joints.into_par_iter().map(Prepared::new).collect::<Result<_, _>>()?;
+    let (done, of) = (AtomicU64::new(0), (prepared.len() * settings.methods.len()) as u64);
+    let tell = |done| watch.tell("fitting joint", done, of);
+    tell(0);
     let one = |&method: &Method| {
         let searched: Vec<Searched> = prepared
             .par_iter()
-            .map(|p| search(p, method, settings).inspect(|_| tell()))
+            .map(|p| search(p, method, settings, watch))
+            .inspect(|_| tell(1 + done.fetch_add(1, Ordering::Relaxed)))
             .collect::<Result<_, _>>()?;
         let xs: Vec<Vec<f64>> = searched.iter().map(|s| s.x.clone()).collect();
         let found = Found { joints: xs, shared: common.clone() };
@@ -70,13 +85,15 @@ fn search(
     p: &Prepared,
     method: Method,
     settings: &Settings,
+    watch: &dyn Watch,
 ) -> Result<Searched, IdentificationError> {
+    go_on(watch);
     let clock = Instant::now();
     let seed = settings.seed.wrapping_add((p.problem.joint as u64) << 32);
     let mut posterior = None;
     let (x, evaluations, stopped) = match method {
         Method::Pso => {
-            let o = p.swarm(settings, seed);
+            let o = p.swarm(settings, seed, watch);
             (o.best, o.evaluations, text(o.stop))
         }
         Method::Nlse => {
@@ -84,7 +101,7 @@ fn search(
             (o.x, o.evaluations, text(o.stop))
         }
         Method::Mcmc => {
-            let o = posterior::sample(p, &settings.mcmc, &settings.nlse, seed)?;
+            let o = posterior::sample(p, &settings.mcmc, &settings.nlse, seed, watch)?;
             let stopped = if o.converged() { "converged" } else { "not_converged" };
             let found = (o.x.clone(), o.evaluations, stopped.into());
             posterior = Some(o);

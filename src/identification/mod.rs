@@ -34,7 +34,7 @@ mod verdict;
 
 use serde::Serialize;
 
-pub use arm::{identify, identify_telling};
+pub use arm::{identify, identify_watched};
 pub use arm_problem::{ArmProblem, BoundsByName};
 pub use assemble::{assemble, assemble_around};
 pub use error::IdentificationError;

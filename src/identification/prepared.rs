@@ -7,6 +7,7 @@ use super::problem::JointProblem;
 use super::quadratic::QuadraticCost;
 use super::settings::{Search, Settings};
 use super::{pso, separable};
+use crate::follow::{Watch, go_on};
 use crate::regression::bounds::Bounds;
 
 /// One joint's problem with its payload taken off, ready to be searched.
@@ -34,14 +35,18 @@ impl Prepared {
     }
 
     /// The paper's swarm.
-    pub fn swarm(&self, settings: &Settings, seed: u64) -> pso::Outcome {
+    pub fn swarm(&self, settings: &Settings, seed: u64, watch: &dyn Watch) -> pso::Outcome {
         match settings.pso_cost {
             Search::Quadratic => {
                 pso::minimise(|x| self.cost.rms(x), &self.bounds, &settings.pso, seed)
             }
             Search::Direct => {
                 let shared = pso::Settings { parallel: true, ..settings.pso };
-                pso::minimise(|x| self.problem.direct_cost(x), &self.bounds, &shared, seed)
+                let cost = |x: &[f64]| {
+                    go_on(watch);
+                    self.problem.direct_cost(x)
+                };
+                pso::minimise(cost, &self.bounds, &shared, seed)
             }
         }
     }

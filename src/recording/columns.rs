@@ -13,7 +13,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::RecordingError;
-use super::bag::BagMap;
+use super::bag_map::BagMap;
 use super::file::cannot;
 use super::scale::{Scale, is_factor};
 use super::text::{Delimiter, Layout};

@@ -3,13 +3,38 @@
 
 use std::path::Path;
 
+#[cfg(feature = "bags")]
+use super::bag;
 use super::format::{Format, WriteOptions};
-use super::{ColumnMap, Recording, RecordingError, bag, movement_folder, parquet_file, rtde_csv};
+#[cfg(feature = "parquet")]
+use super::parquet_file;
+use super::{ColumnMap, Recording, RecordingError, movement_folder, rtde_csv};
 use crate::files::{guard, is_stream};
 
 /// Text is the last: it reads whatever is left.
-pub const FORMATS: &[&dyn Format] =
-    &[&bag::RosBag, &parquet_file::Parquet, &movement_folder::MovementFolder, &rtde_csv::RtdeCsv];
+pub const FORMATS: &[&dyn Format] = &[
+    #[cfg(feature = "bags")]
+    &bag::RosBag,
+    #[cfg(feature = "parquet")]
+    &parquet_file::Parquet,
+    &movement_folder::MovementFolder,
+    &rtde_csv::RtdeCsv,
+];
+
+/// Formats that are Cargo features: ending, feature, whether it is built in.
+const FEATURES: [(&str, &str, bool); 3] = [
+    (".mcap", "bags", cfg!(feature = "bags")),
+    (".db3", "bags", cfg!(feature = "bags")),
+    (".parquet", "parquet", cfg!(feature = "parquet")),
+];
+
+/// The feature that this file needs, where it was left out of the program.
+fn left_out(path: &Path) -> Option<&'static str> {
+    let name = path.to_string_lossy().to_lowercase();
+    let (_, feature, _) =
+        FEATURES.into_iter().find(|(ending, _, built)| !built && name.ends_with(ending))?;
+    Some(feature)
+}
 
 /// Reads a recording in whatever format it is; `columns` is the path of a column map.
 pub fn read(path: &Path, columns: Option<&Path>) -> Result<Recording, RecordingError> {
@@ -24,6 +49,9 @@ pub fn read_by(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, Record
     }
     if path.is_dir() {
         guard::reads(path);
+    }
+    if let Some(feature) = left_out(path) {
+        return Err(RecordingError::LeftOut { file: path.display().to_string(), feature });
     }
     for format in FORMATS {
         if format.reads(path) {

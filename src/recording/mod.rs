@@ -1,7 +1,10 @@
 //! A recording: named SI columns on one time column, and where they came from.
 //! One file per format; every reader yields the same [`Recording`].
 
+mod arrays;
 mod bag;
+#[cfg_attr(not(feature = "bags"), allow(dead_code))]
+mod bag_map;
 mod blocks;
 mod check;
 mod columns;
@@ -18,13 +21,16 @@ mod journal;
 mod mapped_csv;
 mod mend;
 mod movement_folder;
+#[cfg(feature = "parquet")]
 mod parquet_file;
+#[cfg(feature = "parquet")]
 mod parquet_sizes;
 mod rtde_csv;
 mod same;
 mod scale;
 mod table;
 mod text;
+#[cfg(feature = "parquet")]
 mod thrift;
 
 pub use bag::settle_effort;

@@ -7,7 +7,7 @@ use crate::series::JointSeries;
 const LARGEST: f64 = 1e9;
 
 /// One entry per joint, base to wrist.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Drive {
     /// Motor turns per joint turn.
     pub gear_ratio: Vec<f64>,

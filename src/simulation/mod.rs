@@ -20,7 +20,7 @@ pub use injection::{Injection, Injections};
 pub use plant::{Plant, PlantError};
 pub use reference::Reference;
 pub use run::{Exact, Glimpse, Run, Shown, Simulation, SimulationError};
-pub use scenario::{Experiment, Scenario, ScenarioError};
+pub use scenario::{Experiment, Moved, Scenario, ScenarioError};
 pub use sensors::{Noise, Quantisation};
 pub use setup::{Clock, ClockError, Setup};
 pub use switch::Switch;

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use super::Scenario;
-use super::scenario::JOINTS;
+use super::inject::JOINTS;
 use crate::effects::{self, Effect, Parameter, Scope};
 use crate::twin::{DriveTable, PerJoint, Twin};
 

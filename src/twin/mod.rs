@@ -25,7 +25,7 @@ use crate::robot::{Chain, Drive, Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
 
 /// What is known about the arm before a recording is seen.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Twin {
     /// A built-in arm's name or the path of a URDF, from which `robot` was read.
     pub source: String,

@@ -12,6 +12,7 @@ use anyhow::Context;
 use self::arm::{Arm, Source};
 use super::conditioning::ConditioningArgs;
 use super::outputs::Output;
+use super::progress::Progress;
 use super::recordings::WorkArgs;
 use super::twin::ArmArgs;
 use super::{progress, save};
@@ -73,12 +74,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let read = |path: PathBuf, columns: Option<&PathBuf>| {
         let mut work = args.work.clone();
         work.read.columns = columns.cloned().or(work.read.columns);
-        let recording = work.read(&path, &given, floor_hz)?;
-        anyhow::Ok(Source::of(path, recording))
+        let recording = work.read(&path, &given, floor_hz, &Progress::default())?;
+        anyhow::Ok(Source::of(path, recording.into_owned()))
     };
     let recording = read(path, None)?;
     let fit = args.fit.clone().map(|path| read(path, args.fit_columns.as_ref())).transpose()?;
-    let how = args.conditioning.over(arm::conditioning());
+    let how = args.conditioning.options().over(arm::conditioning());
     let spinner = progress::spinner("fitting the twin and searching for contacts");
     let arm = Arm::fitted(&given.twin, fit.as_ref().unwrap_or(&recording), &args.with, &how)?;
     let free = args.free.iter().map(|path| read(path.clone(), None));

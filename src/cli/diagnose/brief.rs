@@ -1,18 +1,16 @@
 //! A diagnosis on one screen: the answer, where, which causes, how far, what stays, what next.
 
-use super::Diagnosed;
 use crate::diagnosis::{Cause, Diagnosis, Value, words};
 use crate::numbers::angle;
 use crate::report::diagnosis as rows;
 use crate::report::{paragraph, table, to_uncertainty};
 use crate::text::titled;
+use crate::workflow::{Diagnosed, Recorded};
 
 pub fn page(done: &Diagnosed) -> String {
     let d = &done.diagnosis;
     let seconds = done.seconds;
-    let source = |what: &str, r: &super::load::Recorded| {
-        paragraph(&format!("{what:6} "), &r.recording.provenance.source)
-    };
+    let source = |what: &str, r: &Recorded| paragraph(&format!("{what:6} "), &r.provenance.source);
     findings(d)
         + &source("fit", &done.fit)
         + &source("check", &done.check)

@@ -3,31 +3,25 @@
 mod brief;
 mod causes;
 mod gap;
-mod load;
 mod output;
 mod page;
-mod resimulate;
-#[cfg(feature = "viewer")]
-mod scene;
 #[cfg(test)]
 mod tests;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use anyhow::{Context, bail};
 
-use self::load::Recorded;
 use super::conditioning::ConditioningArgs;
 use super::outputs::{self, Output};
+use super::progress::Progress;
 use super::recordings::WorkArgs;
-use super::twin::{Arm, ArmArgs};
-use super::{out, progress, view};
-use crate::diagnosis::{self, Diagnosis, Settings, Traces, mend};
+use super::twin::ArmArgs;
+use super::{out, save, view};
+use crate::diagnosis::{self, Settings};
 use crate::effects;
-use crate::recording::{Recording, refuse_same};
-use crate::series::JointSeries;
-use crate::twin::Twin;
+use crate::recording::refuse_same;
+use crate::workflow::{Diagnose, Diagnosed};
 
 /// Say where a twin differs from the arm, which effects it lacks, and how far adding them helps
 ///
@@ -88,41 +82,25 @@ pub struct Args {
 
 pub(super) use self::output::{FILES, write, written};
 
-/// Both recordings, conditioned as a diagnosis usually has them.
-pub(super) fn conditioned(
-    recordings: [Recording; 2],
-    twin: &Twin,
-) -> anyhow::Result<[Recorded; 2]> {
-    load::condition(recordings, twin, &ConditioningArgs::default())
-}
-
 /// What was found, for people, on one screen.
 pub(super) fn findings(done: &Diagnosed) -> String {
     brief::findings(&done.diagnosis)
 }
 
-/// A diagnosis and all that led to it.
-pub(super) struct Diagnosed {
-    pub twin: Twin,
-    pub mended: Twin,
-    pub settings: Settings,
-    pub fit: Recorded,
-    pub check: Recorded,
-    pub diagnosis: Diagnosis,
-    pub traces: Traces,
-    /// Positions of the twin as given and of the mended one, moved again, rad.
-    #[cfg_attr(not(feature = "viewer"), allow(dead_code))]
-    pub simulated: Vec<JointSeries>,
-    /// Wall-clock, s.
-    pub seconds: f64,
-}
-
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let settings = args.settings()?;
+    let how = args.wanted()?;
     args.out.as_ref().map_or(Ok(()), |out| outputs::ask_in(out, &FILES))?;
     let arm = args.arm.load()?;
-    let recordings = load::condition(args.recordings(&arm)?, &arm.twin, &args.conditioning)?;
-    let mut done = diagnose(arm.twin.clone(), recordings, settings, !args.no_simulation)?;
+    let watch = Progress::default();
+    let read = |path: &Path| args.work.read(path, &arm, args.conditioning.floor_hz(), &watch);
+    let fit = read(&args.fit)?;
+    let check = args.check.as_deref().map(read).transpose()?;
+    check
+        .iter()
+        .try_for_each(|check| refuse_same(&fit, check))
+        .context("--check (leave it out to keep the second half of --fit for that)")?;
+    let mut done = how.on(&arm.twin, fit, check, &watch)?;
+    watch.end();
     let next = &mut done.diagnosis.next_experiment;
     *next = next.replace(diagnosis::TWIN, &args.arm.as_given());
     println!("{}", arm.line());
@@ -131,39 +109,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         write(&done, out)?;
         println!("\n{}", written(out));
     }
-    args.json.as_ref().map_or(Ok(()), |path| output::json(&done, path))?;
+    args.json.as_ref().map_or(Ok(()), |path| save::document(path, &done.document()))?;
     match &args.out {
         Some(out) if args.view => view::open(&out.join("twin.rrd")),
         _ => Ok(()),
     }
 }
 
-/// Searches on the first recording, decides on the second, mends the twin and moves both twins
-/// again.
-pub(super) fn diagnose(
-    twin: Twin,
-    [fit, check]: [Recorded; 2],
-    settings: Settings,
-    simulate: bool,
-) -> anyhow::Result<Diagnosed> {
-    let clock = Instant::now();
-    let spinner = progress::spinner("searching for what the twin lacks");
-    let (found, traces) =
-        diagnosis::diagnose_traced(&twin, &fit.samples, &check.samples, &settings)?;
-    let mended = mend(&twin, &found.fitted, &found.changes());
-    let mut diagnosis = found;
-    let mut simulated = Vec::new();
-    if simulate {
-        spinner.set_message("moving the twin again in the simulation");
-        simulated = resimulate::add(&mut diagnosis, &twin, &mended, &check);
-    }
-    spinner.finish_and_clear();
-    let seconds = clock.elapsed().as_secs_f64();
-    Ok(Diagnosed { twin, mended, settings, fit, check, diagnosis, traces, simulated, seconds })
-}
-
 impl Args {
-    fn settings(&self) -> anyhow::Result<Settings> {
+    /// What is asked for.
+    fn wanted(&self) -> anyhow::Result<Diagnose> {
         if let Some(unknown) = self.without.iter().find(|name| effects::find(name).is_none()) {
             bail!("--without {unknown}: no such effect; choose from {}", effects::names());
         }
@@ -174,22 +129,12 @@ impl Args {
             }
         }
         let usual = Settings::default();
-        Ok(Settings {
-            without: self.without.clone(),
-            seed: self.seed,
-            mass_error: self.mass_error.unwrap_or(usual.mass_error),
-            centre_error_m: self.centre_error.unwrap_or(usual.centre_error_m),
-            criteria: usual.criteria,
-        })
-    }
-
-    /// To search on and to decide on.
-    fn recordings(&self, arm: &Arm) -> anyhow::Result<[Recording; 2]> {
-        let read = |path: &Path| self.work.read(path, arm, self.conditioning.floor_hz());
-        let Some(check) = &self.check else { return Ok(read(&self.fit)?.halves()) };
-        let [fit, check] = [read(&self.fit)?, read(check)?];
-        refuse_same(&fit, &check)
-            .context("--check (leave it out to keep the second half of --fit for that)")?;
-        Ok([fit, check])
+        Ok(Diagnose::default()
+            .without(self.without.clone())
+            .seed(self.seed)
+            .mass_error(self.mass_error.unwrap_or(usual.mass_error))
+            .centre_error_m(self.centre_error.unwrap_or(usual.centre_error_m))
+            .simulated(!self.no_simulation)
+            .signals(self.conditioning.options()))
     }
 }

@@ -1,11 +1,11 @@
 //! A diagnosis for people: the answer first, then what it rests on.
 
-use super::{Diagnosed, causes, gap};
+use super::{causes, gap};
 use crate::diagnosis::{Diagnosis, Ranked, words};
 use crate::report::diagnosis as rows;
-use crate::report::html::Fact;
 use crate::report::{paragraph, table};
 use crate::text::titled;
+use crate::workflow::Diagnosed;
 
 pub fn page(done: &Diagnosed) -> String {
     findings(&done.diagnosis) + &circumstances(done)
@@ -64,35 +64,9 @@ fn circumstances(done: &Diagnosed) -> String {
     let d = &done.diagnosis;
     let seed = done.settings.seed;
     let mut text = format!("armtwin {}  diagnose  seed {seed}  {:.1} s\n", d.armtwin, done.seconds);
-    for (what, said) in facts(done) {
+    for (what, said) in done.facts() {
         text += &paragraph(&format!("  {what:8} "), &said);
     }
     d.notes.iter().for_each(|note| text += &paragraph("  note     ", note));
     text
-}
-
-/// What was diagnosed, and how.
-pub fn facts(done: &Diagnosed) -> Vec<Fact> {
-    let s = &done.settings;
-    let mut facts = vec![("robot".to_string(), done.twin.source.clone())];
-    for (what, r) in [("fit", &done.fit), ("check", &done.check)] {
-        let from = &r.recording.provenance;
-        facts.push((what.into(), format!("{} ({})", from.source, from.format)));
-        let notes = from.notes.iter().chain(&r.samples.notes);
-        facts.extend(notes.map(|note| (String::new(), note.clone())));
-    }
-    let without = match s.without.is_empty() {
-        true => "nothing".into(),
-        false => s.without.join(", "),
-    };
-    facts.push((
-        "settings".into(),
-        format!(
-            "link masses known to {:.0} %, centres to {:.0} mm, taken out of the catalogue: \
-             {without}",
-            100.0 * s.mass_error,
-            1e3 * s.centre_error_m
-        ),
-    ));
-    facts
 }

@@ -1,30 +1,32 @@
 //! An identification on one screen: values with intervals, how well they fit, what was found.
 
-use super::{Report, links, preferred, print, scale};
+use super::{Report, links, print, scale};
 use crate::identification::{self, JointEstimate, MethodResult, ParameterEstimate, Standing};
 use crate::report::{table, to_uncertainty};
+use crate::workflow::words;
 
 pub fn print(report: &Report<'_>) {
-    let what = [Some(report.fit), report.check].into_iter().flatten().zip(["fit", "check"]);
-    for (loaded, what) in what {
-        println!("{what:8} {}", loaded.recording.provenance.source);
-        loaded.recording.provenance.notes.iter().for_each(|note| println!("         {note}"));
+    let what =
+        [Some(&report.fit), report.check.as_ref()].into_iter().flatten().zip(["fit", "check"]);
+    for (used, what) in what {
+        println!("{what:8} {}", used.provenance.source);
+        used.provenance.notes.iter().for_each(|note| println!("         {note}"));
     }
-    print::searched(report.located).iter().for_each(|line| println!("searched {line}"));
+    print::searched(&report.located).iter().for_each(|line| println!("searched {line}"));
     report.scaled.iter().for_each(|scaled| scale::print(scaled));
-    let Some(result) = preferred(report.results) else { return };
+    let Some(result) = report.preferred() else { return };
     println!(
         "\nValues by {}, +- half the width of the 99 % interval; (0?): the interval holds zero, the \
          parameter may be absent",
         result.method.to_uppercase()
     );
     println!("{}", values(result));
-    println!("\n{}", agreement(report.results));
+    println!("\n{}", agreement(&report.results));
     result.arm.iter().for_each(|p| println!("arm: {} {}", p.name, with_unit(p)));
     report.links_spread.iter().for_each(|spread| print::payload_note(*spread));
     report.dropped.iter().filter(|d| !d.is_empty()).for_each(|dropped| {
         println!("\nNot shown by these data and left out:");
-        print::dropped(dropped).iter().for_each(|line| println!("  {line}"));
+        words::dropped(dropped).iter().for_each(|line| println!("  {line}"));
     });
     print::reasons(result);
     report.rigid_body.iter().for_each(|body| links::print(body));

@@ -1,19 +1,19 @@
 //! Tables of an identification for people.
 
-use super::{Loaded, Report, links, scale};
+use super::{Report, links, scale};
 use crate::identification::{
     self, Dropped, Interval, JointEstimate, Located, MethodResult, ParameterEstimate, Standing,
 };
-use crate::numbers::chance;
 use crate::report::{table, to_uncertainty};
+use crate::workflow::{Used, words};
 
 pub fn print(report: &Report<'_>) {
     println!("armtwin {}  identify  seed {}", env!("CARGO_PKG_VERSION"), report.settings.seed);
     println!("robot    {}", report.twin.source);
-    print_source("fit", report.fit);
+    print_source("fit", &report.fit);
     report.check.iter().for_each(|c| print_source("check", c));
-    if let Some(scaled) = report.scaled {
-        println!("loaded   {}", scaled.loaded.provenance.source);
+    if let Some(scaled) = &report.scaled {
+        println!("loaded   {}", scaled.loaded.source);
     }
     println!("fitted   {}", report.terms.names().join(", "));
     if report.args.arm.twin.is_some() && report.args.terms.is_empty() && report.args.with.is_empty()
@@ -22,11 +22,11 @@ pub fn print(report: &Report<'_>) {
             "         (what the twin lists without values; more by --with paper,rotor_inertia,offset)"
         );
     }
-    searched(report.located).iter().for_each(|line| println!("searched {line}"));
-    println!("signals  {}", signals(report));
+    searched(&report.located).iter().for_each(|line| println!("searched {line}"));
+    println!("signals  {}", words::signals(report));
     report.dropped.iter().for_each(|d| print_dropped(d));
     report.scaled.iter().for_each(|scaled| scale::print(scaled));
-    for result in report.results {
+    for result in &report.results {
         print_method(result);
     }
     report.links_spread.iter().for_each(|spread| payload_note(*spread));
@@ -76,56 +76,14 @@ pub fn searched(located: &[Located]) -> Vec<String> {
 
 fn print_dropped(all: &[Dropped]) {
     println!("dropped  {}", if all.is_empty() { "nothing: every term is shown" } else { "" });
-    dropped(all).iter().for_each(|line| println!("         {line}"));
+    words::dropped(all).iter().for_each(|line| println!("         {line}"));
 }
 
-/// Terms that were taken out and why, one line per joint.
-pub fn dropped(dropped: &[Dropped]) -> Vec<String> {
-    let mut joints: Vec<usize> = dropped.iter().map(|d| d.joint).collect();
-    joints.dedup();
-    let line = |joint: usize| {
-        let terms = dropped.iter().filter(|d| d.joint == joint).map(|d| match &d.why {
-            Some(why) => format!("{} ({why})", d.term),
-            None => format!("{} (p {})", d.term, chance(d.p)),
-        });
-        format!("joint {joint}: {}", terms.collect::<Vec<_>>().join(", "))
-    };
-    joints.into_iter().map(line).collect()
-}
-
-fn print_source(what: &str, loaded: &Loaded) {
-    let provenance = &loaded.recording.provenance;
+fn print_source(what: &str, used: &Used) {
+    let provenance = &used.provenance;
     println!("{what:8} {} ({})", provenance.source, provenance.format);
-    for note in provenance.notes.iter().chain(&loaded.samples.notes) {
+    for note in provenance.notes.iter().chain(&used.samples.notes) {
         println!("         {note}");
-    }
-}
-
-pub fn signals(report: &Report<'_>) -> String {
-    let c = report.conditioning;
-    let derivatives = serde_json::to_value(c.derivatives).ok();
-    let derivatives = derivatives.as_ref().and_then(|v| v.as_str()).unwrap_or("?").to_string();
-    let s = &report.fit.samples;
-    format!(
-        "{:.6} Hz, derivatives from {derivatives}, low-pass {} Hz (motion) and {} Hz (torque and \
-         regressors) of order {}, every {} sample, |qd| > {} rad/s, guard {} s, margin {} s",
-        s.rate_hz(),
-        c.motion_cutoff_hz,
-        c.torque_cutoff_hz,
-        c.filter_order,
-        ordinal(s.decimation()),
-        c.standstill_rad_s,
-        c.guard_s,
-        c.margin_s
-    )
-}
-
-fn ordinal(n: usize) -> String {
-    match n {
-        1 => "single".into(),
-        2 => "2nd".into(),
-        3 => "3rd".into(),
-        n => format!("{n}th"),
     }
 }
 
@@ -211,7 +169,7 @@ fn parameter_row(joint: String, p: &ParameterEstimate) -> Vec<String> {
     let [value, low, high] = to_uncertainty(p.value, p.low, p.high);
     let mut row = vec![joint, p.name.clone(), p.unit.clone(), value];
     if p.identifiable {
-        row.extend([low, high, format!("{:.1}", p.statistic), chance(p.p)]);
+        row.extend([low, high, format!("{:.1}", p.statistic), words::chance(p.p)]);
         row.extend(ends(&p.asymptotic));
         row.extend(ends(&p.paper));
     } else {

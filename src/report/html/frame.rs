@@ -2,6 +2,8 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+pub use crate::report::Fact;
+
 /// Everything a report is made from.
 pub struct Page<'a> {
     /// What made it: `armtwin diagnose`.
@@ -21,9 +23,6 @@ pub struct Section {
     pub title: String,
     pub body: Markup,
 }
-
-/// What is being said, and what is said of it.
-pub type Fact = (String, String);
 
 impl Section {
     pub fn new(id: impl Into<String>, title: impl Into<String>, body: Markup) -> Self {

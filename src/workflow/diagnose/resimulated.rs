@@ -1,25 +1,30 @@
 //! Both twins moved again along the check recording.
 
-use super::load::Recorded;
 use crate::diagnosis::{Diagnosis, SimulationShrink, mend};
+use crate::follow::{Interrupted, Watch};
+use crate::recording::Recording;
 use crate::resimulation::{
     Errors, Replayed, ResimulationError, WINDOW_S, closed_loop, command, errors,
 };
 use crate::series::JointSeries;
+use crate::signals::Samples;
 use crate::simulation::ControllerSettings;
 use crate::twin::Twin;
 
 /// Adds what the causes bring in the simulation to `diagnosis`; a note where that cannot be said.
 /// Positions, rad, of the twin as given and, where causes are named, of the mended one.
+///
+/// # Errors
+/// If `watch` ends it.
 pub fn add(
     diagnosis: &mut Diagnosis,
-    twin: &Twin,
-    mended: &Twin,
-    check: &Recorded,
-) -> Vec<JointSeries> {
+    [twin, mended]: [&Twin; 2],
+    recording: &Recording,
+    samples: &Samples,
+    watch: &dyn Watch,
+) -> Result<Vec<JointSeries>, Interrupted> {
     let before = mend(twin, &diagnosis.fitted_before, &[]);
-    let samples = &check.samples;
-    let command = match command(&check.recording, samples) {
+    let command = match command(recording, samples) {
         Ok(Some(q)) => q,
         Ok(None) => {
             let note = "no command (target_q) is recorded: in the simulation the recorded motion \
@@ -27,11 +32,11 @@ pub fn add(
             diagnosis.notes.push(note.into());
             samples.q.clone()
         }
-        Err(error) => return not_simulated(diagnosis, &error),
+        Err(error) => return Ok(not_simulated(diagnosis, &error)),
     };
     let controller = ControllerSettings::default();
     let of = |twin: &Twin| -> Result<(Errors, Replayed), ResimulationError> {
-        let replayed = closed_loop(twin, &command, samples, &controller, &mut |_| true)?;
+        let replayed = closed_loop(twin, &command, samples, &controller, &mut |_| !watch.stops())?;
         Ok((errors(twin, &replayed, samples)?, replayed))
     };
     let (before, after) = match diagnosis.causes.is_empty() {
@@ -41,7 +46,10 @@ pub fn add(
             (before, Some(after))
         }
     };
-    match (before, after.transpose()) {
+    if watch.stops() {
+        return Err(Interrupted);
+    }
+    Ok(match (before, after.transpose()) {
         (Ok((before, moved)), Ok(after)) => {
             let (after, mended) = after.unzip();
             let after = after.unwrap_or(before);
@@ -49,7 +57,7 @@ pub fn add(
             std::iter::once(moved).chain(mended).map(|r| r.q).collect()
         }
         (Err(error), _) | (_, Err(error)) => not_simulated(diagnosis, &error),
-    }
+    })
 }
 
 fn not_simulated(diagnosis: &mut Diagnosis, error: &ResimulationError) -> Vec<JointSeries> {

@@ -1,17 +1,14 @@
-//! `identify --with inertia`: the links from data.
+//! The links from data.
 
-use anyhow::bail;
 use serde::Serialize;
 
-use super::Args;
 use crate::identification::{self, Inertial, LEVEL, MethodResult, ParameterEstimate, RigidBody};
-use crate::recording::Recording;
 use crate::rigid_body::parameters;
 use crate::robot::{Inertia, Robot};
 use crate::statistics::normal_quantile;
 
-/// What the name stands for in `--with` and `--terms`: no effect of the catalogue.
-pub const NAME: &str = "inertia";
+/// Stands for the inertial parameters of all links among the effects to fit: no effect of the catalogue.
+pub const INERTIA: &str = "inertia";
 
 /// The rigid body as these data have it, for people and scripts.
 #[derive(Serialize)]
@@ -51,7 +48,7 @@ pub struct BaseRow {
 #[derive(Serialize)]
 pub struct Link {
     pub link: String,
-    pub mass_kg: Value,
+    pub mass_kg: LinkValue,
     pub centre_m: [f64; 3],
     pub centre_model_m: [f64; 3],
     /// About the centre, [xx, xy, xz, yy, yz, zz].
@@ -61,7 +58,7 @@ pub struct Link {
 
 /// 99 % interval.
 #[derive(Serialize)]
-pub struct Value {
+pub struct LinkValue {
     pub value: f64,
     pub low: f64,
     pub high: f64,
@@ -86,12 +83,12 @@ pub fn summary(
     inertial: &Inertial,
     model: &Robot,
     results: &[MethodResult],
-    recordings: [Option<&Recording>; 2],
+    sources: [Option<&str>; 2],
 ) -> Summary {
     let by_base = results.iter().find(|r| r.method == found.fitted.method).unwrap_or(&found.given);
-    let torque = recordings.into_iter().zip([false, true]).filter_map(|(recording, checked)| {
+    let torque = sources.into_iter().zip([false, true]).filter_map(|(source, checked)| {
         Some(Left {
-            recording: recording?.provenance.source.clone(),
+            recording: source?.into(),
             given_nm: left(&found.given, checked),
             least_squares_nm: left(by_base, checked),
             links_nm: left(&found.fitted, checked),
@@ -132,37 +129,6 @@ fn notes(found: &RigidBody, model: &Robot) -> Vec<String> {
     mended.chain(implausible).collect()
 }
 
-impl Args {
-    pub fn asks_for_inertia(&self) -> bool {
-        self.terms.iter().chain(&self.with).any(|name| name == NAME)
-    }
-
-    /// What goes with the rigid body makes sense beside it alone.
-    pub fn check_inertia(&self) -> anyhow::Result<()> {
-        let asked = self.asks_for_inertia();
-        if !asked && (self.save_urdf.is_some() || self.total_mass.is_some()) {
-            bail!("--save-urdf and --total-mass are of the links: add --with {NAME}");
-        }
-        if asked && self.save_twin.is_some() && self.save_urdf.is_none() {
-            bail!("--save-twin with {NAME} refers to the links found: add --save-urdf FILE");
-        }
-        if asked
-            && self.with.iter().chain(&self.terms).any(|n| n == "payload" || n == "link_inertia")
-        {
-            bail!(
-                "--with {NAME}: a payload or a link's change cannot be told from the links themselves; \
-                 leave `payload` and `link_inertia` out"
-            );
-        }
-        match self.total_mass {
-            Some(mass) if !(mass > 0.0 && mass.is_finite()) => {
-                bail!("--total-mass {mass}: give the mass of all moving links, kg")
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
 fn base_rows(inertial: &Inertial, rows: &[ParameterEstimate]) -> Vec<BaseRow> {
     let row = |(i, estimate): (usize, &ParameterEstimate)| BaseRow {
         estimate: estimate.clone(),
@@ -182,7 +148,7 @@ fn link_rows(found: &Robot, model: &Robot, covariance: &nalgebra::DMatrix<f64>) 
         let mass = new.inertia.mass;
         Link {
             link: new.name.clone(),
-            mass_kg: Value {
+            mass_kg: LinkValue {
                 value: mass,
                 low: (mass - half).max(0.0),
                 high: mass + half,

@@ -1,11 +1,18 @@
 //! A diagnosis for the viewer.
 
-use super::{Diagnosed, page};
+use super::Diagnosed;
 use crate::diagnosis::{Cause, JointTraces, words};
 use crate::report::{markdown_table, to_uncertainty};
 use crate::viewer::{JointMending, Mending};
 
-pub fn scene(done: &Diagnosed) -> Mending {
+impl Diagnosed {
+    /// The recorded arm beside the twin as given and mended.
+    pub fn scene(&self) -> Mending {
+        scene(self)
+    }
+}
+
+fn scene(done: &Diagnosed) -> Mending {
     let samples = &done.check.samples;
     let mended = !done.diagnosis.causes.is_empty();
     let joint = |t: &JointTraces| JointMending {
@@ -17,7 +24,7 @@ pub fn scene(done: &Diagnosed) -> Mending {
         contact: t.contact.clone(),
     };
     Mending {
-        title: done.check.recording.provenance.source.clone(),
+        title: done.check.provenance.source.clone(),
         robot: done.twin.robot.clone(),
         time: (0..samples.len()).map(|k| samples.time(k)).collect(),
         recorded: samples.q.clone(),
@@ -51,7 +58,7 @@ fn summary(done: &Diagnosed) -> String {
     text += "\nRecorded torque less the twin's, rms where the joint slides. In the plots of \
              residuals the thick line at zero marks the moments after a reversal, and contacts.\n";
     text += "\n## Made from\n\n";
-    for (what, said) in page::facts(done) {
+    for (what, said) in done.facts() {
         text += &format!("- {what} {said}\n");
     }
     text
