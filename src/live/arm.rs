@@ -292,6 +292,7 @@ mod tests {
     fn scenario(kind: &str) -> Scenario {
         let text = format!(
             "[motion]\nkind = \"{kind}\"\nduration_s = 5\n[noise]\nsnr_db = 30\nposition_rad = 2e-5\n\
+             [drive]\nrotor_inertia = [1.1, 1.1, 1.1, 0.14, 0.14, 0.14]\n\
              [effects.coulomb]\ncoulomb = [6, 7, 5, 1.5, 1.2, 1.0]\n"
         );
         Scenario::parse(&text, "test").unwrap()
