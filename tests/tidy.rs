@@ -3,6 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+#[path = "tidy/imports.rs"]
+mod imports;
+
 /// (path, text) of every Rust file below a folder of the repository.
 fn sources(folder: &str) -> Vec<(PathBuf, String)> {
     let mut found = Vec::new();
@@ -99,7 +102,7 @@ fn third_party_types_stay_at_their_edge() {
         ("lz4", &["recording"]),
         ("arrow", &["recording", "sweep"]),
         ("parquet", &["recording", "sweep"]),
-        ("plotly", &["html"]),
+        ("plotters", &["figure"]),
         ("maud", &["html"]),
     ] {
         let (path_like, import) = (format!("{krate}::"), format!("use {krate}"));
@@ -128,4 +131,24 @@ fn flags_that_name_a_file_to_write_say_so_by_their_type() {
             }
         }
     }
+}
+
+/// Is a file part of the tests alone?
+fn is_test(path: &Path) -> bool {
+    let names: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
+    let file = names.last().map_or("", |name| name.as_ref());
+    file.ends_with("tests.rs") || names.iter().any(|n| n == "tests" || n.ends_with("_tests"))
+}
+
+#[test]
+fn modules_do_not_import_each_other_in_circles() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let all = sources("src");
+    let code: Vec<_> = all
+        .iter()
+        .map(|(path, text)| (path.strip_prefix(&src).expect("below src"), text.as_str()))
+        .filter(|(path, _)| !is_test(path))
+        .collect();
+    let circles = imports::circles(&code);
+    assert!(circles.is_empty(), "{} circles:\n{}", circles.len(), circles.join("\n"));
 }

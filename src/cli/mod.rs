@@ -17,6 +17,8 @@ mod diagnose;
 mod effects;
 mod excite;
 mod export;
+#[cfg(test)]
+mod help_tests;
 mod history;
 mod identify;
 mod inspect;

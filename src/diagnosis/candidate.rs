@@ -2,7 +2,7 @@
 
 use super::observed::Observed;
 use crate::effects::{
-    self, CATALOGUE, Channels, Effect, Mechanism, Motion, Parameter, Role, Scope, Seen,
+    self, CATALOGUE, Channels, Effect, Mechanism, Motion, Parameter, Role, Scope, Seen, Size,
 };
 use crate::regression::Blocks;
 use crate::rigid_body::parameters::{PER_LINK, sizes};
@@ -193,6 +193,11 @@ impl Candidate {
         }
     }
 
+    /// How many sets of values it has.
+    pub fn sets(&self) -> usize {
+        self.place.each().len()
+    }
+
     /// Values of set `k` among those of all its sets.
     fn own<'v>(&self, values: &'v [f64], k: usize) -> &'v [f64] {
         let count = values.len() / self.place.each().len().max(1);
@@ -225,8 +230,7 @@ impl Candidate {
         (0..self.place.each().len()).any(|k| self.effect.is_itself(self.own(linear, k)))
     }
 
-    /// How large the linear values can be expected to be, standard deviations; empty where nothing is
-    /// known beforehand.
+    /// How large the linear values can be expected to be, standard deviations ([`Effect::expected`]).
     pub fn expected(&self, twin: &Twin) -> Vec<f64> {
         let each = self.place.each().flat_map(|j| self.effect.expected(&twin.robot, j));
         each.map(|size| self.spread * size).collect()
@@ -247,7 +251,8 @@ impl Candidate {
             _ if i < self.linear() => self.stated(twin).get(i).copied().unwrap_or(0.0),
             _ => 0.0,
         };
-        [parameter.min - has, parameter.max - has]
+        let there = parameter.on(&Size::of(&twin.robot));
+        [there.min - has, there.max - has]
     }
 
     /// Range of a link's change: from no mass, or a moment the other way, to many times what the link has.

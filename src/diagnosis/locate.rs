@@ -11,6 +11,7 @@ use super::model::Model;
 use super::observed::Observed;
 use super::refine;
 use super::screen::screen;
+use super::trial;
 use super::{DiagnosisError, Settings};
 use crate::effects::{Effect, Role, Scope};
 use crate::identification::{Located, Terms};
@@ -108,7 +109,7 @@ pub(super) fn refine_together(data: &Data<'_>, model: &mut Model, sought: &[usiz
         let mut gained = 0.0f64;
         for &i in sought {
             let others = Fit::plain(data, model.without(i));
-            let now = refine::tried(&others, &model.causes[i]);
+            let now = trial::tried(&others, &model.causes[i]);
             let again = screen(&others, &[model.causes[i].candidate]);
             let starts = again.into_iter().map(|s| s.trial).chain([now.clone()]);
             let refined = starts.map(|start| refine::refine(&others, &start));

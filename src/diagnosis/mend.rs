@@ -20,10 +20,7 @@ pub fn mend(twin: &Twin, fitted: &BTreeMap<String, Vec<f64>>, causes: &[Cause]) 
     for cause in causes {
         add(&mut mended, cause);
     }
-    if let Some(inertia) = mended.values.remove("rotor_inertia") {
-        mended.drive.rotor_inertia = inertia;
-    }
-    mended.effects.retain(|e| e != "rotor_inertia");
+    mended.settle_drive();
     keep_physical(&mut mended);
     mended
 }
@@ -92,6 +89,7 @@ fn keep_physical(twin: &mut Twin) {
         values.for_each(|v| *v = v.max(p.min));
     }
     twin.drive.rotor_inertia.iter_mut().for_each(|inertia| *inertia = inertia.max(0.0));
+    twin.keep_possible();
 }
 
 #[cfg(test)]

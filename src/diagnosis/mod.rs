@@ -12,11 +12,13 @@ mod data;
 mod discrepancy;
 mod episodes;
 mod experiment;
+mod findings;
 mod fit;
 mod floor;
 mod gap;
 mod held_out;
 mod hypotheses;
+mod independent;
 mod intervals;
 mod judge;
 mod kept;
@@ -43,6 +45,7 @@ mod slopes;
 mod slow;
 mod touches;
 mod traces;
+mod trial;
 mod unexplained;
 mod untestable;
 mod verdict;
@@ -189,7 +192,7 @@ fn once(
     let both = search(&both, &[0, 1]);
     let alone = search(&alone, &[0]);
     let floor = floors[1].clone();
-    let findings = verdict::Findings::new(&both, &alone, judge, [&fit, &check], floor, settings);
+    let findings = findings::Findings::new(&both, &alone, judge, [&fit, &check], floor, settings);
     let mut answer = findings.answer();
     let mended = mend(twin, &answer.fitted, &answer.changes());
     touches::touched(&mended, samples, &mut answer.episodes)?;
@@ -203,7 +206,7 @@ fn counted<'a>(data: data::Data<'a>) -> data::Data<'a> {
         let fit = fit::Fit::plain(&data, model::Model::of(data.twin));
         let all: Vec<usize> = (0..data.joints()).collect();
         let sizes = fit.likely_sizes(&all);
-        intervals::shares(&fit.beside(sizes))
+        independent::shares(&fit.beside(sizes))
     };
     data.counted(shares)
 }

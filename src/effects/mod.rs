@@ -30,6 +30,8 @@ mod presliding;
 mod quantisation;
 mod rigid;
 mod rotor_inertia;
+mod round_trip;
+mod size;
 mod starts;
 mod state;
 mod stribeck;
@@ -43,18 +45,22 @@ mod viscous;
 mod viscous_cubic;
 mod viscous_quadratic;
 mod wind_up;
+mod worked;
 
 #[cfg(test)]
 mod tests;
 
-pub use catalogue::{CATALOGUE, find, names, order};
+pub use catalogue::{CATALOGUE, find, names, of_drive, order};
 pub use channels::Channels;
 pub use mechanism::{ControlChange, Mechanism, Transmission};
 pub use motion::Motion;
 pub use rigid::{Rigid, Slopes};
+pub use round_trip::RoundTrip;
+pub use size::Size;
 pub use state::{ArmState, JointLoad, JointState};
+pub use worked::{Shown, Worked};
 
-use crate::robot::{Drive, Robot};
+use crate::robot::{Drive, DrivePart, Robot};
 use crate::series::JointSeries;
 
 /// The values of all parameters of an effect, each from `given` by name; references that are not
@@ -78,6 +84,15 @@ pub fn complete(
     Ok(values)
 }
 
+/// How large a linear parameter that the whole arm has can be expected to be, in its unit; `None` where nothing is
+/// known beforehand.
+pub fn expected_of_arm(robot: &Robot, parameter: &str) -> Option<f64> {
+    let place = |e: &&dyn Effect| e.about().parameters.iter().position(|p| p.name == parameter);
+    let of_arm = CATALOGUE.iter().copied().filter(|e| e.about().scope == Scope::Arm);
+    let (effect, i) = of_arm.into_iter().find_map(|e| Some((e, place(&e)?)))?;
+    effect.expected(robot, 0).get(i).copied().filter(|size| size.is_finite())
+}
+
 /// What a parameter is; data, so that command line, docs, scenario keys and tests follow from it.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Parameter {
@@ -85,10 +100,11 @@ pub struct Parameter {
     pub name: &'static str,
     pub symbol: &'static str,
     pub unit: &'static str,
-    /// Physical bounds, both attainable.
+    /// Physical bounds on an arm of the UR5's size, both attainable; on another they grow with it as the unit
+    /// says ([`Parameter::on`]).
     pub min: f64,
     pub max: f64,
-    /// Typical value of a UR5-class joint.
+    /// Typical value of a joint of a UR5.
     pub typical: f64,
     /// The value at which the effect vanishes.
     pub null: f64,
@@ -102,10 +118,15 @@ impl Parameter {
         self.name.ends_with("_reference")
     }
 
-    /// The value where a file leaves it out: references and the shapes of curves may be.
+    /// The value where a file leaves it out: references, the shapes of curves and how a load is spread may be.
     pub fn left_out(&self) -> Option<f64> {
-        let may = self.is_reference() || self.name.ends_with("_exponent");
-        may.then_some(self.typical)
+        let usual = self.is_reference() || self.name.ends_with("_exponent");
+        usual.then_some(self.typical).or(self.is_detail().then_some(self.null))
+    }
+
+    /// Does it refine an effect, so that it is only spoken of where data show it?
+    pub fn is_detail(&self) -> bool {
+        self.name.contains("_inertia_")
     }
 
     /// Is it beyond anything that a fit or a slip of units can give: a thousand times the bounds?
@@ -116,6 +137,25 @@ impl Parameter {
     /// The nearest value within the bounds.
     pub fn clamp(&self, value: f64) -> f64 {
         value.clamp(self.min, self.max)
+    }
+}
+
+/// What people read in place of a linear parameter: it, over another one. A load's centre is its first
+/// moment over its mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ratio {
+    pub name: &'static str,
+    pub unit: &'static str,
+    /// Names of the linear parameters.
+    pub of: &'static str,
+    pub over: &'static str,
+}
+
+impl Ratio {
+    /// The ratio that is read in place of the parameter of this name.
+    pub fn replacing(parameter: &str) -> Option<Self> {
+        let mut all = CATALOGUE.iter().flat_map(|e| e.readable());
+        all.find(|r| r.of == parameter).copied()
     }
 }
 
@@ -237,8 +277,13 @@ pub trait Effect: Sync {
     }
 
     /// Explain: where columns hold only near a reference that follows from the linear parameters
-    /// (a gap, a compliance), sets that reference. The columns are then worked out again.
-    fn settle(&self, _linear: &[f64], _nonlinear: &mut [f64]) {}
+    /// (a gap, a compliance), sets that reference. The columns are then worked out again. Each reference
+    /// takes the linear parameter of its place.
+    fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
+        let own = self.about().parameters.iter().filter(|p| p.role == Role::Nonlinear);
+        let references = own.zip(nonlinear).filter(|(p, _)| p.is_reference());
+        references.zip(linear).for_each(|((p, r), value)| *r = p.clamp(*value));
+    }
 
     /// Explain: is it still this effect with these linear parameters, some of which a sign constraint
     /// holds at zero? A load without mass is none.
@@ -246,8 +291,16 @@ pub trait Effect: Sync {
         linear.first().is_some_and(|first| *first != 0.0)
     }
 
+    /// Explain: what people read in place of linear parameters.
+    fn readable(&self) -> &'static [Ratio] {
+        &[]
+    }
+
+    /// Moves `values` to the nearest that a machine can have, where bounds of each do not say it.
+    fn keep_physical(&self, _values: &mut [f64]) {}
+
     /// Explain: how large the linear parameters at `joint` can be expected to be, standard
-    /// deviations; empty where nothing is known beforehand.
+    /// deviations, infinite for those of which nothing is known beforehand; empty where that is all.
     fn expected(&self, _robot: &Robot, _joint: usize) -> Vec<f64> {
         Vec::new()
     }
@@ -268,10 +321,16 @@ pub trait Effect: Sync {
         false
     }
 
+    /// The part of a drive that its only parameter stands for. What the drive holds is then there without the
+    /// effect, values of the effect stand in its place, and a cause is a change of them.
+    fn stands_for(&self) -> Option<DrivePart> {
+        None
+    }
+
     /// Explain: how much of the first parameter, in its unit, the drive is known to have at `joint`
-    /// (from 0); a cause is a change of it, and may take it away.
-    fn in_drive(&self, _drive: &Drive, _joint: usize) -> f64 {
-        0.0
+    /// (from 0); a cause may take it away.
+    fn in_drive(&self, drive: &Drive, joint: usize) -> f64 {
+        self.stands_for().map_or(0.0, |part| drive.part(part)[joint])
     }
 
     /// Explain: undoes on one joint's conditioned channels what [`measure`](Effect::measure) did
@@ -298,4 +357,15 @@ pub trait Effect: Sync {
     /// Inject: what one joint's channels show of the truth; noise is in them, the rounding of
     /// the scenario's sensors comes after. Effects measure in the order of the catalogue.
     fn measure(&self, _values: &[f64], _channels: &mut Channels) {}
+
+    /// Proof: one number worked out by hand, apart from the code. Every effect of the catalogue has one.
+    fn worked(&self) -> Option<Worked> {
+        None
+    }
+
+    /// Proof: what comes back of the effect's scenario, simulated in rapier and explained. Every effect of the
+    /// catalogue says so.
+    fn round_trip(&self) -> Option<RoundTrip> {
+        None
+    }
 }

@@ -11,8 +11,13 @@ use rand_chacha::ChaCha8Rng;
 use super::*;
 use samples::{DT, Samples, pendulum};
 
-/// Degrees of freedom of their own: what they inject is tested in the simulation.
-const STRUCTURAL: [&str; 2] = ["backlash", "joint_flexibility"];
+/// Does it give the arm degrees of freedom of their own? What it injects is then tested in the simulation.
+fn is_structural(effect: &dyn Effect) -> bool {
+    let typical: Vec<f64> = effect.about().parameters.iter().map(|p| p.typical).collect();
+    let mut mechanism = Mechanism::new(pendulum());
+    effect.build(&typical, 0, &mut mechanism);
+    mechanism.transmission[0].is_some()
+}
 
 /// Effects that explain by columns.
 fn columned() -> impl Iterator<Item = &'static dyn Effect> {
@@ -28,7 +33,8 @@ fn draw(effect: &dyn Effect, rng: &mut ChaCha8Rng) -> Vec<f64> {
     // No link may weigh less than nothing.
     let least = |p: &Parameter| if p.unit == "kg" { p.min.max(0.0) } else { p.min };
     let inside = |p: &Parameter| least(p) + (p.max - least(p)) * rng.random_range(0.05..0.95);
-    let drawn: Vec<f64> = effect.about().parameters.iter().map(inside).collect();
+    let mut drawn: Vec<f64> = effect.about().parameters.iter().map(inside).collect();
+    effect.keep_physical(&mut drawn);
     let place = |name| effect.about().parameters.iter().position(|p| p.name == name);
     let own = |i: &usize| !effect.about().parameters[*i].is_reference();
     complete(effect, |name| place(name).filter(own).map(|i| drawn[i])).unwrap()
@@ -96,6 +102,12 @@ fn declarations_are_complete() {
             assert!(!sign_free || p.min == -p.max, "{}: lopsided bounds", p.name);
         }
         assert_eq!(find(about.name).map(|e| e.about().name), Some(about.name));
+        let trip = effect.round_trip();
+        let trip = trip.unwrap_or_else(|| panic!("{}: say what comes back", about.name));
+        assert_eq!(matches!(trip, RoundTrip::Fitted { .. }), has_columns, "{}", about.name);
+        let shows = if let RoundTrip::Fitted { shows, .. } = trip { shows } else { &[] };
+        let own = |name: &&str| about.parameters.iter().any(|p| p.name == *name);
+        assert!(shows.iter().all(own), "{}: {shows:?}", about.name);
     }
     assert!(find("no_such_effect").is_none());
 }
@@ -137,7 +149,7 @@ fn vanishes_at_its_null_value() {
 #[test]
 fn explains_what_it_injects() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
-    for effect in columned().filter(|e| !STRUCTURAL.contains(&e.about().name)) {
+    for effect in columned().filter(|e| !is_structural(*e)) {
         let name = effect.about().name;
         for seed in 0..5 {
             let samples = Samples::random(seed);
@@ -196,7 +208,9 @@ fn references_follow_the_fitted_values() {
     }
     let payload = |mass: f64| {
         let mut reference = [0.0; 3];
-        find("payload").unwrap().settle(&[mass, 0.1, 0.0, 0.2], &mut reference);
+        find("payload")
+            .unwrap()
+            .settle(&[&[mass, 0.1, 0.0, 0.2], &[0.0; 6][..]].concat(), &mut reference);
         reference
     };
     assert_eq!(payload(2.0), [0.05, 0.0, 0.1]);

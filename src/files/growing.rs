@@ -5,6 +5,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use super::digest::sha256_of_file;
 use super::guard;
 
 /// Is not among what an interruption removes: what it holds cannot be had again.
@@ -67,7 +68,7 @@ impl Growing {
         self.settle()?;
         guard::may_write(path)?;
         let path = guard::resolved(path);
-        guard::list(&path, guard::digest(&self.path)?);
+        guard::list(&path, sha256_of_file(&self.path)?);
         std::fs::rename(&self.path, path)
     }
 

@@ -4,110 +4,13 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::assemble::ArmProblem;
+use super::arm_problem::ArmProblem;
 use super::error::IdentificationError;
 use super::posterior::{self, Sampled};
+use super::prepared::Prepared;
 use super::problem::JointProblem;
-use super::quadratic::QuadraticCost;
-use super::{
-    Found, JointEstimate, MethodResult, ParameterEstimate, adaptive_metropolis, judge, pso,
-    separable, shared,
-};
-use crate::regression::bounds::Bounds;
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
-    /// The paper's swarm.
-    Pso,
-    /// Separable least squares refined by Levenberg-Marquardt.
-    Nlse,
-    /// Posterior by Markov chains.
-    Mcmc,
-}
-
-impl Method {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Pso => "pso",
-            Self::Nlse => "nlse",
-            Self::Mcmc => "mcmc",
-        }
-    }
-}
-
-/// How the swarm's cost is evaluated; the same number either way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Search {
-    /// Interpolated quadratic form ([`QuadraticCost`]).
-    #[default]
-    Quadratic,
-    /// The law at every sample.
-    Direct,
-}
-
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Settings {
-    pub methods: Vec<Method>,
-    /// Joint j's swarm and chains are seeded with `seed` + 2^32 j.
-    pub seed: u64,
-    pub pso: pso::Settings,
-    pub pso_cost: Search,
-    pub nlse: separable::Settings,
-    pub mcmc: adaptive_metropolis::Settings,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            methods: vec![Method::Pso, Method::Nlse],
-            seed: 1,
-            pso: pso::Settings::default(),
-            pso_cost: Search::default(),
-            nlse: separable::Settings::default(),
-            mcmc: adaptive_metropolis::Settings::default(),
-        }
-    }
-}
-
-/// One joint's problem with its payload taken off, ready to be searched.
-pub struct Prepared {
-    pub problem: JointProblem,
-    pub bounds: Bounds,
-    pub cost: QuadraticCost,
-    /// Time to prepare the problem and its `cost`, s.
-    seconds: f64,
-}
-
-impl Prepared {
-    /// # Errors
-    /// If bounds are the wrong way round.
-    pub fn new(problem: JointProblem) -> Result<Self, IdentificationError> {
-        let clock = Instant::now();
-        let bounds = problem.bounds()?;
-        let cost = QuadraticCost::new(&problem, &bounds);
-        Ok(Self { problem, bounds, cost, seconds: clock.elapsed().as_secs_f64() })
-    }
-
-    /// The global optimum by separable least squares.
-    pub fn separable(&self, settings: &separable::Settings) -> separable::Outcome {
-        separable::minimise(&self.problem, &self.cost, &self.bounds, settings)
-    }
-
-    /// The paper's swarm.
-    pub fn swarm(&self, settings: &Settings, seed: u64) -> pso::Outcome {
-        match settings.pso_cost {
-            Search::Quadratic => {
-                pso::minimise(|x| self.cost.rms(x), &self.bounds, &settings.pso, seed)
-            }
-            Search::Direct => {
-                let shared = pso::Settings { parallel: true, ..settings.pso };
-                pso::minimise(|x| self.problem.direct_cost(x), &self.bounds, &shared, seed)
-            }
-        }
-    }
-}
+use super::settings::{Method, Settings};
+use super::{Found, JointEstimate, MethodResult, ParameterEstimate, judge, shared};
 
 /// What a search of one joint came to.
 struct Searched {

@@ -20,9 +20,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::adaptive_metropolis::{self as metropolis, Chain};
-use super::arm::Prepared;
 use super::coordinates::Coordinates;
 use super::error::IdentificationError;
+use super::prepared::Prepared;
 use super::problem::{Column, Curve, JointProblem};
 use super::quadratic::QuadraticCost;
 use super::{LEVEL, ParameterEstimate, judge, separable};

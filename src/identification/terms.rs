@@ -2,21 +2,28 @@
 
 use super::error::IdentificationError;
 use crate::effects::{self, Effect, Parameter, Role, Scope, Seen};
+use crate::robot::DrivePart;
 use crate::twin::Twin;
 
 /// The paper's Eq. 1.
 pub const PAPER_LAW: [&str; 5] =
     ["coulomb", "stribeck", "viscous", "viscous_quadratic", "viscous_cubic"];
 
+/// What a real arm needs beside it.
+pub const BESIDE: [&str; 2] = ["rotor_inertia", "current_offset"];
+
 /// Effects whose parameters are searched for, in the order of the catalogue.
 #[derive(Clone)]
 pub struct Terms {
     fitted: Vec<&'static dyn Effect>,
+    /// Are parameters fitted that refine an effect?
+    details: bool,
 }
 
 impl Terms {
-    /// Terms by catalogue name; `paper` is short for Eq. 1 and `offset` for `current_offset`. Where a
-    /// Stribeck curve is fitted, so is the Coulomb level it bends.
+    /// Terms by catalogue name; `paper` is short for Eq. 1 and `offset` for `current_offset`; with
+    /// `payload_inertia` a payload is no point at its centre. Where a Stribeck curve is fitted, so is the Coulomb
+    /// level it bends.
     ///
     /// # Errors
     /// For a name that is not in the catalogue, or none at all.
@@ -24,21 +31,30 @@ impl Terms {
         names: impl IntoIterator<Item = &'a str>,
     ) -> Result<Self, IdentificationError> {
         let mut wanted = Vec::new();
+        let mut details = false;
         for name in names {
             match name.trim() {
                 "paper" => wanted.extend(PAPER_LAW),
                 "offset" => wanted.push("current_offset"),
                 "stribeck" => wanted.extend(["stribeck", "coulomb"]),
+                "payload_inertia" => {
+                    details = true;
+                    wanted.push("payload");
+                }
                 other => wanted.push(other),
             }
         }
         if let Some(unknown) = wanted.iter().find(|n| effects::find(n).is_none()) {
-            let known = format!("{}, paper, offset", effects::names());
+            let known = format!("{}, payload_inertia, paper, offset", effects::names());
             return Err(IdentificationError::UnknownTerm { name: unknown.to_string(), known });
         }
         let is_wanted = |e: &&'static dyn Effect| wanted.contains(&e.about().name);
         let fitted: Vec<_> = effects::CATALOGUE.iter().copied().filter(is_wanted).collect();
-        if fitted.is_empty() { Err(IdentificationError::NoTerms) } else { Ok(Self { fitted }) }
+        if fitted.is_empty() {
+            Err(IdentificationError::NoTerms)
+        } else {
+            Ok(Self { fitted, details })
+        }
     }
 
     /// Eq. 1, rotor inertia and current offset: what a real arm needs at least.
@@ -46,7 +62,7 @@ impl Terms {
     /// # Errors
     /// None as long as the catalogue holds these names.
     pub fn usual() -> Result<Self, IdentificationError> {
-        Self::named(PAPER_LAW.into_iter().chain(["rotor_inertia", "current_offset"]))
+        Self::named(PAPER_LAW.into_iter().chain(BESIDE))
     }
 
     /// What `twin` models and gives no values for, and `more`.
@@ -95,16 +111,25 @@ impl Terms {
     /// The twin without values for these terms; of the terms it has those that are linear.
     pub fn left_open(&self, twin: &Twin) -> Twin {
         let mut open = twin.clone();
-        for effect in &self.fitted {
-            effect.about().parameters.iter().for_each(|p| drop(open.values.remove(p.name)));
-        }
+        self.effects().for_each(|effect| open.forget(effect));
         open.effects.retain(|name| !self.contains(name));
         let linear = self.fitted.iter().filter(|e| nonlinear(**e).next().is_none());
         open.effects.extend(linear.map(|e| e.about().name.to_string()));
-        if self.contains("rotor_inertia") {
-            open.drive.rotor_inertia.fill(0.0);
-        }
         open
+    }
+
+    pub fn effects(&self) -> impl Iterator<Item = &'static dyn Effect> + '_ {
+        self.fitted.iter().copied()
+    }
+
+    /// Is a part of the drive fitted?
+    pub fn fits(&self, part: DrivePart) -> bool {
+        self.effects().any(|e| e.stands_for() == Some(part))
+    }
+
+    /// Is this parameter of a term fitted?
+    pub fn tells(&self, parameter: &Parameter) -> bool {
+        self.details || !parameter.is_detail()
     }
 
     pub fn names(&self) -> Vec<&'static str> {

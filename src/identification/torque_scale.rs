@@ -15,13 +15,14 @@
 use serde::Serialize;
 
 use super::Found;
-use super::assemble::{ArmProblem, BoundsByName, assemble, searched};
+use super::arm_problem::{ArmProblem, BoundsByName, searched};
+use super::assemble::assemble;
 use super::error::IdentificationError;
 use super::inertia::{Inertial, share};
 use super::judge::LEVEL;
 use super::problem::Parameter;
 use super::terms::Terms;
-use crate::effects::{self, Effect};
+use crate::effects::{self, Effect, Role, Size};
 use crate::rigid_body::{Estimate, Information, estimate, estimate_within, parameters, possible};
 use crate::robot::{Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
@@ -173,7 +174,6 @@ impl Scale<'_> {
         let Some(payload) = effects::find("payload").filter(|_| loaded) else { return twin };
         let mass = self.load.mass_kg;
         let values = std::iter::once(mass).chain(state.moment);
-        let values = values.chain(state.moment.map(|h| h / mass));
         for (p, value) in payload.about().parameters.iter().zip(values) {
             twin.values.insert(p.name.into(), vec![value]);
         }
@@ -211,7 +211,9 @@ impl Scale<'_> {
             });
         }
         if let (None, Some(payload)) = (self.load.centre_m, effects::find("payload")) {
-            let about = payload.about().parameters[1..4].iter().map(searched);
+            let size = Size::of(&self.twin.robot);
+            let moments = payload.about().parameters[1..4].iter();
+            let about = moments.map(|p| searched(p, &size));
             names.extend(about.zip(state.moment).map(|(p, now)| Parameter {
                 lower: p.lower - now,
                 upper: p.upper - now,
@@ -252,8 +254,9 @@ impl Scale<'_> {
 
 /// Torque per unit of the load's first moments where its centre is now.
 fn moment_columns(payload: &dyn Effect, twin: &Twin, samples: &Samples) -> Vec<JointSeries> {
-    let centre = twin.values_at(payload, 0).unwrap_or_default();
-    let reference = centre.get(4..).unwrap_or_default();
+    let values = twin.values_at(payload, 0).unwrap_or_default();
+    let linear = payload.about().parameters.iter().filter(|p| p.role == Role::Linear).count();
+    let reference = values.get(linear..).unwrap_or_default();
     payload.reach(&twin.motion(samples), 0, reference).drain(1..4).collect()
 }
 

@@ -74,6 +74,8 @@ pub enum RecordingError {
     /// A bag or another file that is no text.
     #[error("{file}: {what}; {remedy}")]
     Container { file: String, what: String, remedy: &'static str },
+    #[error("{second}: holds the same samples as {first}; name another recording")]
+    Same { first: String, second: String },
     #[error("{file}: {what}")]
     ColumnMap { file: String, what: String },
     #[error("{file}: {limit}")]

@@ -1,8 +1,6 @@
 //! The two recordings of a diagnosis.
 
-use std::path::Path;
-
-use anyhow::{Context, bail};
+use anyhow::Context;
 
 use crate::cli::conditioning::ConditioningArgs;
 use crate::diagnosis::conditioning;
@@ -41,47 +39,5 @@ fn common(recordings: &[Recording; 2], dof: usize) -> Conditioning {
         (false, _) => Conditioning::default(),
         (true, true) => fit,
         (true, false) => check,
-    }
-}
-
-pub fn refuse_same_file(fit: &Path, check: &Path) -> anyhow::Result<()> {
-    if let (Ok(a), Ok(b)) = (fit.canonicalize(), check.canonicalize())
-        && a == b
-    {
-        bail!(
-            "--check {}: is the recording the causes are searched on; another one must decide \
-             (leave --check out to keep its second half for that)",
-            check.display()
-        );
-    }
-    Ok(())
-}
-
-pub fn refuse_same_samples([fit, check]: &[Recording; 2]) -> anyhow::Result<()> {
-    if fit.time == check.time && fit.channels == check.channels {
-        bail!(
-            "--check {}: holds the same samples as {}; another recording must decide",
-            check.provenance.source,
-            fit.provenance.source
-        );
-    }
-    Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::recording::{Channel, Provenance};
-
-    #[test]
-    fn a_recording_does_not_decide_on_itself() {
-        let values: Vec<f64> = (0..11).map(f64::from).collect();
-        let whole = Recording {
-            time: values.clone(),
-            channels: vec![Channel { name: "actual_q_0".into(), values }],
-            provenance: Provenance::default(),
-        };
-        assert!(refuse_same_samples(&whole.halves()).is_ok());
-        assert!(refuse_same_samples(&[whole.clone(), whole]).is_err());
     }
 }

@@ -5,6 +5,7 @@ use crate::diagnosis::{Diagnosis, Ranked, words};
 use crate::report::diagnosis as rows;
 use crate::report::html::Fact;
 use crate::report::{paragraph, table};
+use crate::text::titled;
 
 pub fn page(done: &Diagnosed) -> String {
     findings(&done.diagnosis) + &circumstances(done)
@@ -22,11 +23,6 @@ pub fn findings(d: &Diagnosis) -> String {
     text + &next(d)
 }
 
-/// What is not there is left out.
-pub fn titled(title: &str, body: &str) -> String {
-    if body.trim().is_empty() { String::new() } else { format!("{title}\n{}\n\n", body.trim_end()) }
-}
-
 fn ranking(ranking: &[Ranked]) -> String {
     let (shown, rest) = rows::ranked(ranking);
     let rows = table(&rows::CANDIDATES, 2, shown.into_iter().map(rows::candidate));
@@ -34,14 +30,13 @@ fn ranking(ranking: &[Ranked]) -> String {
         0 => String::new(),
         more => format!("\n{more} more in diagnosis.json"),
     };
-    let legend = "\nnats: evidence beside what else is there, a discrepancy of any shape included";
-    titled("Which effect: candidates", &format!("{rows}{rest}{legend}"))
+    let legend = paragraph("", rows::EVIDENCE);
+    titled("Which effect: candidates", &format!("{rows}{rest}\n{legend}"))
 }
 
 fn shrink(d: &Diagnosis) -> String {
-    let above = words::percent(d.shrink.torque.reducible);
     let mut body = table(&rows::TORQUE, 1, rows::torque(d));
-    body += &format!("\nof what lies above the noise floor: {above}\n");
+    body += &format!("\n{}", paragraph("", &words::above_noise(d)));
     if let Some(s) = &d.shrink.simulation {
         body += &format!("\n{}", table(&rows::SIMULATED, 1, rows::simulated(s)));
     }

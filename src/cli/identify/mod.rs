@@ -10,7 +10,7 @@ mod scale;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 
 use inertia::Summary;
 use scale::{LoadArgs, Scaled};
@@ -25,7 +25,7 @@ use crate::identification::{
     self, ArmProblem, BoundsByName, Dropped, IdentificationError, Inertial, LinkFit, Located,
     Method, MethodResult, Search, Settings, Terms, assemble_around,
 };
-use crate::recording::Recording;
+use crate::recording::{Recording, refuse_same};
 use crate::robot::urdf::{self, Chain};
 use crate::signals::{Conditioning, Samples, condition};
 use crate::twin::Twin;
@@ -51,7 +51,7 @@ use crate::twin::Twin;
 pub struct Args {
     /// Recording to fit: file, or folder with one log per signal
     recording: PathBuf,
-    /// Another recording, which the fit is held against
+    /// Another recording, which the fit is tested on but not fitted to [default: none]
     #[arg(long, value_name = "RECORDING")]
     check: Option<PathBuf>,
     #[command(flatten)]
@@ -61,37 +61,37 @@ pub struct Args {
     method: Vec<MethodArg>,
     #[command(flatten)]
     work: WorkArgs,
-    /// What to fit, effects by name; `paper` is Eq. 1 (see `armtwin effects`)
+    /// Effects to fit, by name; `paper` is the friction law of Eq. 1 [default: see above]
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     terms: Vec<String>,
-    /// What to fit besides; `inertia` are the inertial parameters of all links
+    /// More effects to fit, by name; `inertia` is the inertia of all links [default: none]
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
-    /// Drop, one by one, the terms whose existence the robust test does not show, and fit the rest
+    /// Leave out, one by one, the terms that the data do not show, and fit the rest again
     #[arg(long)]
     reduce: bool,
-    /// Search bounds of a parameter, all joints (repeatable)
+    /// Bounds within which a parameter is searched at all joints; may be repeated [default: those of `armtwin effects`]
     #[arg(long, value_name = "NAME=MIN:MAX", value_parser = bound, allow_hyphen_values = true)]
     bounds: Vec<(String, [f64; 2])>,
-    /// Seed of the swarm and of the Markov chains
+    /// Random seed for the swarm and the Markov chains
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// How the swarm's cost is evaluated: the same number, a thousand times apart in speed
+    /// How the swarm's cost is computed: both give the same number, the first a thousand times faster
     #[arg(long, value_enum, default_value = "quadratic")]
     cost: CostArg,
     /// Write everything as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<Output>,
-    /// Write a report with pictures, for any browser
+    /// Write a report with pictures, for any browser [default: not written]
     #[arg(long, value_name = "FILE.html")]
     report: Option<Output>,
-    /// Write the twin with the fitted values (NLSE's where both ran)
+    /// Write the twin with the fitted values, those of NLSE where it ran [default: not written]
     #[arg(long, value_name = "FILE")]
     save_twin: Option<Output>,
-    /// With inertia: write the arm with the links found
+    /// With --with inertia: write the arm with the links that were found [default: not written]
     #[arg(long, value_name = "FILE.urdf")]
     save_urdf: Option<Output>,
-    /// With inertia: mass of all moving links where it is known, kg
+    /// With --with inertia: mass of all moving links together, kg [default: not known]
     #[arg(long, value_name = "KG", allow_hyphen_values = true)]
     total_mass: Option<f64>,
     /// Print every table: tests, other intervals, searches, all methods
@@ -163,9 +163,6 @@ pub(super) struct Loaded {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     args.check_inertia()?;
-    if let Some(check) = &args.check {
-        refuse_same_file(&args.recording, check)?;
-    }
     let mut arm = args.arm.load()?;
     arm.scaled = !args.load.is_given();
     let terms = args.terms(&arm.twin)?;
@@ -176,15 +173,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let read = |path: &Path| args.read(path, &arm, &conditioning);
     let fit = if scaled.is_some() { read(&args.recording)? } else { fit };
     let check = args.check.as_deref().map(read).transpose()?;
+    if let Some((check, _)) = &check {
+        refuse_same(&fit.0, check).context("--check")?;
+    }
     let settings = args.settings();
     let twin = arm.twin.clone();
     let (around, located) = locate(&fit.1, &twin, &terms, &settings)?;
     let assembled = |read| args.assembled(read, &around, &terms, &located);
     let mut fit = assembled(fit)?;
     let mut check = check.map(assembled).transpose()?;
-    if let Some(check) = &check {
-        refuse_same_samples(&fit.recording, &check.recording)?;
-    }
     let mut inertial = args.asks_for_inertia().then(|| Inertial::of(&around, &terms));
     if let Some(inertial) = &mut inertial {
         for Loaded { problem, samples, .. } in std::iter::once(&mut fit).chain(&mut check) {
@@ -347,29 +344,6 @@ fn reduce(
 ) -> Result<Vec<Dropped>, IdentificationError> {
     let check = check.map(|c| &mut c.problem);
     identification::reduce(&mut fit.problem, check, &settings.nlse)
-}
-
-fn refuse_same_file(fit: &Path, check: &Path) -> anyhow::Result<()> {
-    if let (Ok(a), Ok(b)) = (fit.canonicalize(), check.canonicalize())
-        && a == b
-    {
-        bail!(
-            "--check {}: is the recording the fit is made on; a check needs another recording",
-            check.display()
-        );
-    }
-    Ok(())
-}
-
-fn refuse_same_samples(fit: &Recording, check: &Recording) -> anyhow::Result<()> {
-    if fit.time == check.time && fit.channels == check.channels {
-        bail!(
-            "--check {}: holds the same samples as {}; a check needs another recording",
-            check.provenance.source,
-            fit.provenance.source
-        );
-    }
-    Ok(())
 }
 
 fn save_twin(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {

@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use super::{Args, inertia};
 use crate::cli::twin::Arm;
 use crate::identification::{Gain, Load, Terms, TorqueScale, torque_scale};
-use crate::recording::Recording;
+use crate::recording::{Recording, refuse_same};
 use crate::report::{table, to_uncertainty};
 use crate::signals::{Conditioning, Samples};
 use crate::twin::Twin;
@@ -17,10 +17,10 @@ pub struct LoadArgs {
     /// Recording of the arm with a known load at the flange: tells the drives' torque constants
     #[arg(long, value_name = "RECORDING", requires = "payload")]
     loaded: Option<PathBuf>,
-    /// Mass of that load, kg
+    /// Mass of the load of --loaded, kg
     #[arg(long, value_name = "KG", value_parser = mass, requires = "loaded", allow_hyphen_values = true)]
     payload: Option<f64>,
-    /// Centre of its mass in the flange's frame, m [default: found along]
+    /// Centre of the load's mass in the flange's frame, m [default: it is fitted]
     #[arg(
         long,
         value_name = "X,Y,Z",
@@ -73,11 +73,10 @@ impl Args {
         else {
             return Ok(None);
         };
-        super::refuse_same_file(&self.recording, path)?;
         self.refuse_unknown_loads(path)?;
         let loaded = self.read(path, arm, how)?;
         let twin = &arm.twin;
-        super::refuse_same_samples(&fit.0, &loaded.0)?;
+        refuse_same(&fit.0, &loaded.0).context("--loaded")?;
         let load = Load { mass_kg: *mass_kg, centre_m: *payload_centre };
         let scale = torque_scale(twin, terms, [&fit.1, &loaded.1], load)
             .with_context(|| format!("--loaded {}", path.display()))?;

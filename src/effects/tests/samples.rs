@@ -93,6 +93,13 @@ impl Samples {
         Self { robot: pendulum(), q, qd, qdd, temperature }
     }
 
+    /// The first `n` samples.
+    pub fn first(self, n: usize) -> Self {
+        let cut = |x: &JointSeries| x.map_joints(|_, x| x[..n].to_vec());
+        let Self { robot, q, qd, qdd, temperature } = self;
+        Self { robot, q: cut(&q), qd: cut(&qd), qdd: cut(&qdd), temperature: cut(&temperature) }
+    }
+
     pub fn motion(&self) -> Motion<'_> {
         let motion = Motion::new(&self.robot, DT, &self.q, &self.qd, &self.qdd);
         Motion { temperature: Some(&self.temperature), ..motion }

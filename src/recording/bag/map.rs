@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::recording::columns::Scale;
+use crate::recording::scale::Scale;
 
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]

@@ -3,8 +3,11 @@
 use maud::{Markup, html};
 
 use super::frame::{Page, Section};
-use super::plot::{AFTER, BEFORE, Band, Curve, Drawn, MEASURED, Plot, key};
+use super::plot::{AFTER, BEFORE, Look, MEASURED, key, plot, variable};
+use crate::figure::{Colour, Drawn, Line, Panel, Scale, Shaded};
 use crate::recording::Recording;
+
+const HOURS: (&str, Scale) = ("time / h", Scale::Linear);
 
 /// Rows of `armtwin watch --history` and what happened.
 pub struct HistoryReport<'a> {
@@ -28,43 +31,48 @@ pub fn history_report(report: &HistoryReport<'_>) -> String {
         Section::new("events", "What changed", events(report)),
         Section::new("temperature", "Temperature", temperature(report)),
     ];
-    Page { kind: "armtwin history", answer: report.answer, picture: html! {}, sections }.html()
+    let picture = html! {};
+    Page { kind: "armtwin history", answer: report.answer, more: "", picture, sections }.html()
 }
 
-/// Hours from the first row on.
-fn hours(report: &HistoryReport<'_>) -> Vec<f64> {
-    let first = report.rows.time.first().copied().unwrap_or(0.0);
-    report.rows.time.iter().map(|t| (t - first) / 3600.0).collect()
+/// A channel over hours from the first row on.
+fn over_hours(report: &HistoryReport<'_>, channel: &str) -> Vec<(f64, f64)> {
+    let time = &report.rows.time;
+    let first = time.first().copied().unwrap_or(0.0);
+    let values = report.rows.channel(channel).unwrap_or(&[]);
+    time.iter().zip(values).map(|(t, y)| ((t - first) / 3600.0, *y)).collect()
 }
 
 fn joint(report: &HistoryReport<'_>, j: usize) -> Markup {
-    let x = hours(report);
-    let curve = |what: &str, name: &'static str, colour: &'static str, drawn: Drawn| {
-        let y = report.rows.channel(&format!("{what}_{j}")).unwrap_or(&[]).to_vec();
-        Curve { name, colour, x: x.clone(), y, drawn }
+    let line = |what: &str, label: &str, colour: Colour| Line {
+        label: label.into(),
+        colour,
+        drawn: Drawn::Joined,
+        points: over_hours(report, &format!("{what}_{j}")),
+        band: Vec::new(),
     };
-    Plot {
+    let panel = Panel {
         title: format!("Joint {}", j + 1),
-        across: "h",
-        up: "N.m",
-        curves: vec![
-            curve("level_nm", "level", AFTER, Drawn::Dashed),
-            curve("along_nm", "along", MEASURED, Drawn::Joined),
-            curve("gap_nm", "gap", BEFORE, Drawn::Joined),
+        across: HOURS,
+        up: ("N.m", Scale::Linear),
+        lines: vec![
+            line("level_nm", "level", Colour::After),
+            line("along_nm", "along", Colour::Measured),
+            line("gap_nm", "gap", Colour::Before),
         ],
-        bands: bands(report, j),
-        ..Plot::default()
-    }
-    .markup()
+        shaded: bands(report, j),
+        ..Panel::default()
+    };
+    plot(&panel, Look { group: Some("hours"), ..Look::default() })
 }
 
 /// From when a change began until it was noticed.
-fn bands(report: &HistoryReport<'_>, j: usize) -> Vec<Band> {
+fn bands(report: &HistoryReport<'_>, j: usize) -> Vec<Shaded> {
     let first = report.rows.time.first().copied().unwrap_or(0.0);
     let of_joint = |e: &&serde_json::Value| e["kind"] == "change" && e["joint"] == j + 1;
     let band = |e: &serde_json::Value| {
         let hour = |at: &str| Some((e[at].as_f64()? - first) / 3600.0);
-        Some(Band { name: "changed".into(), from: hour("since")?, to: hour("noticed")? })
+        Some(Shaded { name: "changed".into(), from: hour("since")?, to: hour("noticed")? })
     };
     report.events.iter().filter(of_joint).filter_map(band).collect()
 }
@@ -79,24 +87,22 @@ fn events(report: &HistoryReport<'_>) -> Markup {
 
 fn temperature(report: &HistoryReport<'_>) -> Markup {
     let joints = (0..10).filter_map(|j| {
-        let y = report.rows.channel(&format!("temperature_c_{j}"))?.to_vec();
-        y.iter().any(|t| *t != 0.0).then_some((j, y))
+        let points = over_hours(report, &format!("temperature_c_{j}"));
+        points.iter().any(|(_, t)| *t != 0.0).then(|| (format!("joint {}", j + 1), points))
     });
-    let curves: Vec<(String, usize, Vec<f64>)> =
-        joints.map(|(j, y)| (format!("joint {}", j + 1), j, y)).collect();
-    if curves.is_empty() {
+    let line = |(label, points): (String, Vec<(f64, f64)>)| Line {
+        label,
+        drawn: Drawn::Joined,
+        points,
+        ..Line::default()
+    };
+    let lines: Vec<Line> = joints.map(line).collect();
+    if lines.is_empty() {
         return html! {};
     }
-    let drawn = curves.iter().map(|(name, j, y)| Curve {
-        name,
-        colour: super::plot::SERIES[*j],
-        x: hours(report),
-        y: y.clone(),
-        drawn: Drawn::Joined,
-    });
-    let entries: Vec<(&str, &str)> =
-        curves.iter().map(|(name, j, _)| (name.as_str(), super::plot::SERIES[*j])).collect();
-    let plot =
-        Plot { across: "h", up: "deg C", curves: drawn.collect(), whole: true, ..Plot::default() };
-    html! { (key(&entries)) (plot.markup()) }
+    let panel = Panel { across: HOURS, up: ("deg C", Scale::Linear), lines, ..Panel::default() };
+    let names: Vec<&str> = panel.lines.iter().map(|l| l.label.as_str()).collect();
+    let colours = names.iter().enumerate().map(|(k, name)| (*name, variable(Colour::ByName, k)));
+    let entries: Vec<(&str, &str)> = colours.collect();
+    html! { (key(&entries)) (plot(&panel, Look { names: &names, whole: true, group: None })) }
 }
