@@ -46,6 +46,9 @@ pub struct Scenario {
     pub effects: BTreeMap<String, BTreeMap<String, PerJoint>>,
 }
 
+/// The key that limits an effect to some joints, counted from 1.
+pub(super) const JOINTS: &str = "joints";
+
 impl Default for Scenario {
     fn default() -> Self {
         Self {

@@ -3,6 +3,7 @@
 mod bars;
 mod diagnosis;
 mod frame;
+mod history;
 mod identification;
 mod motor;
 mod plot;
@@ -14,6 +15,7 @@ mod tests;
 
 pub use diagnosis::{DiagnosisReport, diagnosis_report};
 pub use frame::{Fact, Page, Section};
+pub use history::{HistoryReport, history_report};
 pub use identification::{IdentificationReport, JointCurves, identification_report};
 pub use motor::motor_report;
 pub use study::study_report;
