@@ -45,7 +45,7 @@ pub struct Args {
     /// Length of the motion in seconds [default: the scenario's]
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
-    /// From this time on, s after the first row, an effect acts
+    /// From this time on, s after the first row, an effect acts [default: none]
     #[arg(long, num_args = 2, value_names = ["TIME", "EFFECT"], action = clap::ArgAction::Append)]
     at: Vec<String>,
     /// Stop after so many seconds [default: never]
