@@ -35,7 +35,7 @@ pub struct Args {
     /// Length of each of the two motions, s
     #[arg(long, value_name = "S", default_value_t = Settings::default().motion_s)]
     motion: f64,
-    /// Markdown file to write; left out, standard output
+    /// Markdown file to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     out: Option<Output>,
     /// The measurements as JSON

@@ -22,7 +22,7 @@ pub struct Args {
     /// Folder that was given to `armtwin watch --history`
     #[arg(value_name = "DIR")]
     dir: PathBuf,
-    /// Page with plots (HTML) to write
+    /// Page with plots (HTML) to write [default: not written]
     #[arg(short, long, value_name = "FILE")]
     out: Option<Output>,
     /// Write all rows and events as JSON

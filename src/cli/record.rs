@@ -34,10 +34,10 @@ pub struct Args {
     /// File to write: .parquet, .csv or .csv.gz
     #[arg(short, long, value_name = "FILE")]
     out: Output,
-    /// Stop after so many seconds of the controller's clock
+    /// Stop after so many seconds of the controller's clock [default: when the source ends]
     #[arg(long, value_name = "S", value_parser = seconds)]
     seconds: Option<f64>,
-    /// Quantities of RTDE to ask for, in place of the usual ones
+    /// Quantities of RTDE to ask for [default: the usual ones]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     fields: Vec<String>,
     /// Every line on standard input (Enter) asks the controller to pause, or to go on

@@ -30,7 +30,7 @@ pub struct Args {
     /// What the arm does, and what is hidden in it (TOML; copy one from scenarios/)
     #[arg(long, value_name = "SCENARIO")]
     scenario: PathBuf,
-    /// The arm is this twin's: its robot, drive and effects with values, in place of the scenario's
+    /// Twin whose robot, drive and effects with values are the arm's [default: the scenario's]
     #[arg(long, value_name = "TWIN.toml")]
     twin: Option<PathBuf>,
     /// Address to listen at; 0.0.0.0 lets other machines in
@@ -39,16 +39,16 @@ pub struct Args {
     /// Port to listen at; 0 takes any
     #[arg(long, value_name = "N", default_value_t = PORT)]
     port: u16,
-    /// Rows per second, in place of the scenario's
+    /// Rows per second [default: the scenario's]
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// Length of the motion in seconds, in place of the scenario's
+    /// Length of the motion in seconds [default: the scenario's]
     #[arg(long, value_name = "S")]
     duration: Option<f64>,
-    /// From this time on, s after the first row, an effect acts
+    /// From this time on, s after the first row, an effect acts [default: none]
     #[arg(long, num_args = 2, value_names = ["TIME", "EFFECT"], action = clap::ArgAction::Append)]
     at: Vec<String>,
-    /// Stop after so many seconds
+    /// Stop after so many seconds [default: never]
     #[arg(long, value_name = "S", value_parser = super::source::seconds)]
     seconds: Option<f64>,
     /// Send nothing before a client has asked for rows: the first one gets them from the first on

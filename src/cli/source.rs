@@ -24,7 +24,7 @@ pub struct SourceArgs {
     /// Connect again, every second, after a connection broke
     #[arg(long)]
     reconnect: bool,
-    /// Column map (TOML) of a recording without RTDE names, or of a bag; `armtwin map` drafts one
+    /// Column map (TOML) of a recording without RTDE names, or of a bag; `armtwin map` drafts one [default: RTDE names]
     #[arg(long, value_name = "MAP.toml")]
     columns: Option<PathBuf>,
 }

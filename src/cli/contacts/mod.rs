@@ -53,11 +53,11 @@ pub struct Args {
     /// Write the contacts, with their forces over time, as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<Output>,
-    /// Search the recordings of real arms in this folder, and hold what is found against what is
-    /// known of them
+    /// Search the recordings of real arms in this folder, and hold what is found against what is known of
+    /// them [default: RECORDING is searched]
     #[arg(long, value_name = "DIR", conflicts_with_all = ["recording", "fit", "free", "twin", "robot"])]
     validate: Option<PathBuf>,
-    /// Markdown file for --validate to write; left out, standard output
+    /// Markdown file for --validate to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     out: Option<Output>,
     #[command(flatten)]

@@ -167,7 +167,7 @@ fn everything_found_is_on_the_page() {
         "no temperatures are recorded: temperature_friction (joints 2, 5)",
         "it would be .. errors large, 4 are needed: stribeck (joint 3), lugre (joint 3)",
         "99.9 %",
-        "12.000",
+        "12 mrad",
         "slow plateaus",
         "0.600",
     ];

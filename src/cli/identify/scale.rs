@@ -8,10 +8,10 @@ use crate::workflow::{KnownLoad, Scaled};
 
 #[derive(clap::Args)]
 pub struct LoadArgs {
-    /// Recording of the arm with a known load at the flange: tells the drives' torque constants
+    /// Recording of the arm with a known load at the flange, which tells the torque constants [default: none]
     #[arg(long, value_name = "RECORDING", requires = "payload")]
     loaded: Option<PathBuf>,
-    /// Mass of the load of --loaded, kg
+    /// Mass of the load of --loaded, kg; needed with --loaded
     #[arg(long, value_name = "KG", value_parser = mass, requires = "loaded", allow_hyphen_values = true)]
     payload: Option<f64>,
     /// Centre of the load's mass in the flange's frame, m [default: it is fitted]

@@ -62,10 +62,11 @@ pub struct Args {
     /// Do not diagnose what changed
     #[arg(long)]
     no_diagnosis: bool,
-    /// Stop after so many seconds of the arm's clock
+    /// Stop after so many seconds of the arm's clock [default: when the source ends]
     #[arg(long, value_name = "S", value_parser = seconds)]
     seconds: Option<f64>,
     /// Folder for a file with a row a minute (Parquet) and the changes (events.jsonl), for `armtwin history`
+    /// [default: none is kept]
     #[arg(long, value_name = "DIR")]
     history: Option<PathBuf>,
     #[command(flatten)]

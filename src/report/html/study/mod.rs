@@ -156,13 +156,13 @@ mod tests {
         assert!(page.contains("<section id=\"the-arm\">") && page.contains("<td>1</td>"));
         let own = page.split("* plotly.js (basic").next().unwrap();
         assert!(!own.contains("<b>") && !own.contains("e.svg") && own.contains("<p>End.</p>"));
-        assert_eq!(own.matches("class=\"plot").count(), 3, "at the top, and two panels");
+        assert_eq!(own.matches("<div class=\"plot").count(), 3, "at the top, and two panels");
         assert_eq!(own.matches("<noscript><img src=\"data:image/svg+xml").count(), 2, "for both");
         let trace = "\"x\":[10.0,20.0,30.0],\"y\":[0.01,0.1,1.0]";
         assert_eq!(own.matches(trace).count(), 3, "no noise stands 10 dB on");
         let area = "[10.0,20.0,30.0,30.0,20.0,10.0],\"y\":[0.005,0.05,0.5,2.0,0.2,0.02]";
         assert_eq!(own.matches(area).count(), 3, "intervals");
-        let ticks = "\"tickvals\":[10.0,20.0,30.0],\"ticktext\":[\"10\",\"20\",\"none\"]";
+        let ticks = "\"ticktext\":[\"10\",\"20\",\"none\"],\"tickvals\":[10.0,20.0,30.0]";
         assert_eq!(own.matches(ticks).count(), 3);
         assert_eq!(own.matches("\"type\":\"log\"").count(), 3);
     }
