@@ -167,9 +167,10 @@ impl Drop for Temporary {
 
 /// Without the name of a temporary file, which nobody asked for.
 fn unnamed(e: io::Error) -> io::Error {
-    let cause = e.get_ref().and_then(std::error::Error::source);
-    let code = cause.and_then(|c| c.downcast_ref::<io::Error>()).and_then(io::Error::raw_os_error);
-    code.map_or(e, io::Error::from_raw_os_error)
+    match e.to_string().split_once(" at path ") {
+        Some((said, _)) => io::Error::new(e.kind(), said.to_string()),
+        None => e,
+    }
 }
 
 /// Temporary files are private to their owner; results are not.
