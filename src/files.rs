@@ -129,7 +129,7 @@ struct Temporary(Option<NamedTempFile>);
 impl Temporary {
     fn beside(path: &Path) -> io::Result<Self> {
         let mut open = open_files();
-        let file = NamedTempFile::new_in(guard::folder_of(path))?;
+        let file = NamedTempFile::new_in(guard::folder_of(path)).map_err(unnamed)?;
         open.push(file.path().into());
         Ok(Self(Some(file)))
     }
@@ -163,6 +163,13 @@ impl Drop for Temporary {
     }
 }
 
+/// Without the name of a temporary file, which nobody asked for.
+fn unnamed(e: io::Error) -> io::Error {
+    let cause = e.get_ref().and_then(std::error::Error::source);
+    let code = cause.and_then(|c| c.downcast_ref::<io::Error>()).and_then(io::Error::raw_os_error);
+    code.map_or(e, io::Error::from_raw_os_error)
+}
+
 /// Temporary files are private to their owner; results are not.
 #[cfg(unix)]
 fn make_readable(file: &File) -> io::Result<()> {
@@ -173,4 +180,17 @@ fn make_readable(file: &File) -> io::Result<()> {
 #[cfg(not(unix))]
 fn make_readable(_: &File) -> io::Result<()> {
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_names_no_temporary_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = NamedTempFile::new_in(folder.path().join("none")).unwrap_err();
+        assert!(error.to_string().contains(".tmp"), "{error}");
+        assert!(!unnamed(error).to_string().contains(".tmp"));
+    }
 }

@@ -49,6 +49,7 @@ pub mod effects;
 pub mod excitation;
 pub mod export;
 pub mod external_wrench;
+pub mod figure;
 pub mod files;
 pub mod follow;
 pub mod identification;
@@ -57,6 +58,7 @@ pub mod limits;
 pub mod motion;
 #[cfg(feature = "studies")]
 pub mod motor;
+pub mod numbers;
 pub mod plausibility;
 pub mod recording;
 pub mod regression;

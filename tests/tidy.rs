@@ -131,7 +131,7 @@ fn third_party_types_stay_at_their_edge() {
         ("lz4", &["recording"]),
         ("arrow", &["recording", "sweep"]),
         ("parquet", &["recording", "sweep"]),
-        ("plotly", &["html"]),
+        ("plotters", &["figure"]),
         ("maud", &["html"]),
     ] {
         let (path_like, import) = (format!("{krate}::"), format!("use {krate}"));

@@ -7,28 +7,29 @@ use crate::workflow::SignalOptions;
 #[derive(clap::Args, Default)]
 #[command(next_help_heading = "Signals")]
 pub struct ConditioningArgs {
-    /// Resample onto this rate [default: the recording's own]
+    /// Resample to this rate [default: the recording's own]
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// Where velocity and acceleration come from
+    /// Where velocity and acceleration come from [default: position; for `diagnose` tracking-error where a
+    /// command is recorded]
     #[arg(long, value_enum)]
     derivatives: Option<Source>,
     /// Zero-phase low-pass of the motion, 0 for none [default: 20]
     #[arg(long, value_name = "HZ")]
     motion_cutoff: Option<f64>,
-    /// Zero-phase low-pass of torque and regressors alike, 0 for none [default: 8]
+    /// Zero-phase low-pass of torque and of what is fitted to it, 0 for none [default: 8]
     #[arg(long, value_name = "HZ")]
     torque_cutoff: Option<f64>,
     /// Butterworth order of both filters [default: 4]
     #[arg(long, value_name = "N")]
     filter_order: Option<usize>,
-    /// Samples at or below this speed do not slide, 0 keeps all [default: 0.02]
+    /// Leave out samples at or below this speed, 0 keeps all [default: 0.02]
     #[arg(long, value_name = "RAD_S")]
     standstill: Option<f64>,
-    /// Leave out sliding samples nearer than this to standstill [default: 0.1]
+    /// Leave out samples nearer than this to a standstill [default: 0.1]
     #[arg(long, value_name = "S")]
     guard: Option<f64>,
-    /// Leave out this much at both ends [default: 0.5]
+    /// Leave out this much at both ends of the recording [default: 0.5]
     #[arg(long, value_name = "S")]
     margin: Option<f64>,
     /// Keep every N-th sample [default: follows from the torque cutoff]

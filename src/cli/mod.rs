@@ -16,6 +16,8 @@ mod diagnose;
 mod effects;
 mod excite;
 mod export;
+#[cfg(test)]
+mod help_tests;
 mod identify;
 mod inspect;
 mod interrupt;

@@ -14,13 +14,13 @@ use crate::workflow::{Prepared, Reading, WorkflowError};
 /// What every command that takes a recording takes with it.
 #[derive(clap::Args, Clone, Default)]
 pub struct ReadArgs {
-    /// Column map (TOML) of recordings without RTDE names, or of bags; `armtwin map` drafts one
+    /// Column map (TOML) of a bag, or of a table without RTDE names; `armtwin map` drafts one [default: RTDE names]
     #[arg(long, value_name = "MAP.toml")]
     pub columns: Option<PathBuf>,
-    /// Leave out what is before, s from the first row of each recording
+    /// Leave out all rows before this time, in seconds after the first row [default: 0]
     #[arg(long, value_name = "S", value_parser = seconds)]
     from: Option<f64>,
-    /// Leave out what is after, s from the first row of each recording
+    /// Leave out all rows after this time, in seconds after the first row [default: the end]
     #[arg(long, value_name = "S", value_parser = seconds)]
     to: Option<f64>,
 }
@@ -33,7 +33,7 @@ pub struct WorkArgs {
     /// Keep all rows of recordings faster than 125 Hz or longer than 300 000 rows
     #[arg(long)]
     every_row: bool,
-    /// Go on with a recording that contradicts its column names or the arm
+    /// Go on although the recording contradicts its column names or the arm
     #[arg(long)]
     force: bool,
 }

@@ -33,13 +33,13 @@ pub struct Args {
     /// Folder for fit.csv, check.csv and truth.json
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Seed of the sensors' noise, in place of the scenario's
+    /// Random seed for the sensors' noise [default: that of the scenario]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// File format of the two recordings
     #[arg(long, value_enum, default_value = "csv")]
     format: Written,
-    /// Length of both motions in seconds, in place of the scenario's
+    /// Length of both motions, s [default: that of the scenario]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
     #[command(flatten)]

@@ -20,7 +20,7 @@ pub struct ArmArgs {
     /// What is known about the arm [default: the built-in UR5 with the paper's drive]
     #[arg(long, value_name = "TWIN.toml")]
     pub twin: Option<PathBuf>,
-    /// The arm where there is no twin: a name of `armtwin robots`, or a URDF
+    /// The arm, where no twin is given: a name of `armtwin robots`, or a URDF [default: ur5]
     #[arg(long, value_name = "NAME", conflicts_with = "twin")]
     robot: Option<String>,
 }

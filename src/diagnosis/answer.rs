@@ -224,6 +224,9 @@ pub struct TorqueShrink {
     /// 90 % block-bootstrap interval.
     pub low: f64,
     pub high: f64,
+    /// Noise floor of the same rows, root mean square.
+    #[serde(default)]
+    pub noise_floor_nm: f64,
     /// `fraction` above the noise floor: 1 - (after^2 - floor^2) / (before^2 - floor^2).
     pub reducible: f64,
     pub joints: Vec<JointShrink>,

@@ -50,7 +50,7 @@ pub use settings::{Method, Search, Settings};
 pub use settle::settle;
 pub use terms::{BESIDE, PAPER_LAW, Terms};
 pub use torque_scale::{Gain, Load, TorqueScale, torque_scale};
-pub use verdict::verdict;
+pub use verdict::{Standing, standing, verdict};
 
 /// What one method found, all joints.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -324,7 +324,7 @@ fn beyond_reach(name: &str, knowledge: &Knowledge) -> String {
 fn width_verdict(value: f64, robust: &Interval, kept: bool) -> String {
     let percent = 50.0 * (robust.high - robust.low) / value.abs();
     match (kept, percent) {
-        (false, _) => "not told from zero".into(),
+        (false, _) => "may be zero".into(),
         (_, p) if p <= SUPPORTED => format!("identified, +-{p:.2} %"),
         (_, p) if p <= 20.0 => format!("roughly, +-{p:.0} %"),
         (_, p) => format!("hardly supported by this excitation, +-{p:.0} %"),

@@ -2,12 +2,13 @@
 
 mod markdown;
 mod paragraph;
-mod rounded;
 mod table;
 mod titled;
+mod width;
 
+pub use crate::numbers::to_uncertainty;
 pub use markdown::markdown_table;
 pub use paragraph::paragraph;
-pub use rounded::to_uncertainty;
 pub use table::table;
 pub use titled::titled;
+pub use width::{broken, width};

@@ -1,22 +1,13 @@
 //! Text broken between words.
 
-const WIDTH: usize = 96;
+use super::width::{PROSE, width, words_in_lines};
 
 /// `label` (ending where the text shall begin) and a text broken between words, further lines
 /// indented as far as the first.
 pub fn paragraph(label: &str, text: &str) -> String {
-    let indent = label.chars().count();
-    let mut done = String::new();
-    let mut line = label.to_string();
-    for word in text.split_whitespace() {
-        let length = line.chars().count() + 1 + word.chars().count();
-        if length > WIDTH && line.trim() != label.trim() {
-            done += line.trim_end();
-            done.push('\n');
-            line = " ".repeat(indent);
-        }
-        line += word;
-        line.push(' ');
-    }
-    done + line.trim_end() + "\n"
+    let most = width().unwrap_or(PROSE).min(PROSE);
+    let indent = " ".repeat(label.chars().count().min(most / 2));
+    let lines = words_in_lines(text, [label, &indent], most);
+    let lines: Vec<&str> = lines.iter().map(|line| line.trim_end()).collect();
+    lines.join("\n") + "\n"
 }

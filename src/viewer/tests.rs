@@ -7,8 +7,8 @@ use rerun::external::re_log_encoding::DecoderApp;
 use rerun::log::{Chunk, LogMsg};
 
 use super::*;
-use crate::case_studies::draw::{Line, Panel};
 use crate::case_studies::figures::Figure;
+use crate::figure::{Drawn, Line, Panel, Scale, over_time};
 use crate::robot::Robot;
 use crate::series::JointSeries;
 
@@ -272,13 +272,17 @@ fn a_twin_that_could_not_be_simulated_is_shown_by_its_torque() {
 
 /// Two stretches with a gap, and a path.
 fn figures() -> Vec<Figure> {
-    let line = |label: &str| Line::with_gaps(label, 0, &[0, 1, 5, 6], 0.5, &[1.0, 2.0, 3.0, 4.0]);
+    let line = |label: &str| Line {
+        label: label.into(),
+        drawn: Drawn::Joined,
+        points: over_time(&[0.0, 0.5, 2.5, 3.0], &[1.0, 2.0, 3.0, 4.0], 0.5),
+        ..Line::default()
+    };
     let panel = |title: &str| Panel {
         title: title.into(),
-        across: "s",
-        up: "N.m",
+        up: ("N.m", Scale::Linear),
         lines: vec![line("measured"), line("PSO")],
-        equal: false,
+        ..Panel::default()
     };
     let figure = |name: &str, panels, path| Figure {
         name: name.into(),

@@ -31,15 +31,15 @@ pub struct Args {
     /// Recording to search: file, or folder with one log per signal
     #[arg(required_unless_present = "validate")]
     recording: Option<PathBuf>,
-    /// Another recording of the same arm, free of contacts: what is open in the twin is fitted to it
+    /// A recording of the same arm without contacts; what the twin leaves open is fitted to it [default: the searched one]
     #[arg(long, value_name = "RECORDING")]
     fit: Option<PathBuf>,
-    /// More recordings free of contacts, to learn from what the twin leaves (repeatable)
+    /// More recordings without contacts, which show what the twin leaves; may be repeated [default: none]
     #[arg(long, value_name = "RECORDING")]
     free: Vec<PathBuf>,
     #[command(flatten)]
     arm: ArmArgs,
-    /// What to fit besides, effects by name
+    /// More effects to fit, by name [default: none]
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
     #[command(flatten)]
@@ -47,7 +47,7 @@ pub struct Args {
     /// Column map of the recording of --fit [default: that of --columns]
     #[arg(long, value_name = "MAP.toml")]
     fit_columns: Option<PathBuf>,
-    /// Only the flange can be touched: by a tool, for example
+    /// Look for forces at the flange only, for example on a tool
     #[arg(long)]
     at_flange: bool,
     /// Write the contacts, with their forces over time, as JSON

@@ -42,35 +42,35 @@ pub struct Args {
     /// Recording to search causes on: file, or folder with one log per signal
     #[arg(long, value_name = "RECORDING")]
     fit: PathBuf,
-    /// Another recording, which decides [default: the second half of the first]
+    /// Another recording, which decides what is a cause [default: the second half of --fit]
     #[arg(long, value_name = "RECORDING")]
     check: Option<PathBuf>,
     #[command(flatten)]
     arm: ArmArgs,
     #[command(flatten)]
     work: WorkArgs,
-    /// Folder for diagnosis.json, report.html, twin.rrd and twin.toml
+    /// Folder for diagnosis.json, report.html, twin.rrd and twin.toml [default: no files]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Open twin.rrd in the viewer
     #[arg(long, requires = "out")]
     view: bool,
-    /// Effects to take out of the catalogue
+    /// Effects that are not looked for, by name, separated by commas [default: none]
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     without: Vec<String>,
     /// Random seed for the discrepancy's features and for bootstraps
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// How well the twin's link masses are known, relative; 0: exactly [default: 0.05]
+    /// How well the twin's link masses are known, as a share of them; 0: exactly [default: 0.05]
     #[arg(long, value_name = "SHARE")]
     mass_error: Option<f64>,
-    /// How well their centres are known, m [default: 0.005]
+    /// How well the links' centres of mass are known, m [default: 0.005]
     #[arg(long, value_name = "M")]
     centre_error: Option<f64>,
-    /// Do not move the twin again in the simulation
+    /// Skip the simulation that moves both twins again
     #[arg(long)]
     no_simulation: bool,
-    /// Print every table: regimes, all candidates, what was set aside, notes
+    /// Print every table: gaps by kind of motion, all candidates, what was set aside, notes
     #[arg(long)]
     full: bool,
     /// Write everything as JSON

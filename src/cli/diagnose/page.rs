@@ -30,14 +30,13 @@ fn ranking(ranking: &[Ranked]) -> String {
         0 => String::new(),
         more => format!("\n{more} more in diagnosis.json"),
     };
-    let legend = "\nnats: evidence beside what else is there, a discrepancy of any shape included";
-    titled("Which effect: candidates", &format!("{rows}{rest}{legend}"))
+    let legend = paragraph("", rows::EVIDENCE);
+    titled("Which effect: candidates", &format!("{rows}{rest}\n{legend}"))
 }
 
 fn shrink(d: &Diagnosis) -> String {
-    let above = words::percent(d.shrink.torque.reducible);
     let mut body = table(&rows::TORQUE, 1, rows::torque(d));
-    body += &format!("\nof what lies above the noise floor: {above}\n");
+    body += &format!("\n{}", paragraph("", &words::above_noise(d)));
     if let Some(s) = &d.shrink.simulation {
         body += &format!("\n{}", table(&rows::SIMULATED, 1, rows::simulated(s)));
     }

@@ -17,13 +17,13 @@ const SWING_RAD: f64 = 0.3;
 const RATE_RAD_S: f64 = std::f64::consts::FRAC_PI_2;
 /// Warm enough for what goes with temperature.
 const WARM_C: f64 = 45.0;
+/// The shoulder, from 0: it carries the most, and everything that acts shows there.
+const JOINT: usize = 1;
 /// A smaller share of a channel is no change.
 const LEAST: f64 = 1e-6;
 
-/// A channel of the joint on which the effect shows most.
+/// The channel of a UR5's shoulder (joint 2) on which the effect shows most.
 pub struct Example {
-    /// From 1.
-    pub joint: usize,
     /// With its unit.
     pub channel: &'static str,
     /// s
@@ -65,29 +65,25 @@ pub fn example(effect: &dyn Effect) -> Option<Example> {
     let before = inverse_dynamics_series(&twin.robot, &moved.q, &moved.qd, &moved.qdd);
     let after = twin.torque(&moved.motion(&twin));
     let limits = twin.mechanism(|_| true).torque_limit;
-    let joints = 0..twin.robot.dof();
-    let shown = joints.flat_map(|j| {
-        let clear = moved.channels(j, before.joint(j).to_vec());
-        let clipped = after.joint(j).iter().map(|t| t.clamp(-limits[j], limits[j]));
-        let mut seen = moved.channels(j, clipped.collect());
-        if let Some(values) = twin.values_at(effect, j) {
-            effect.measure(&values, &mut seen);
-        }
-        let pairs = [
-            ("torque, N.m", clear.torque, seen.torque),
-            ("speed, rad/s", clear.qd, seen.qd),
-            ("angle, rad", clear.q, seen.q),
-        ];
-        pairs.map(|(channel, before, after)| (j, channel, before, after))
-    });
-    let most = shown.max_by(|a, b| change(&a.2, &a.3).total_cmp(&change(&b.2, &b.3)));
-    let (joint, channel, before, after) = most.filter(|s| change(&s.2, &s.3) > LEAST)?;
+    let clear = moved.channels(JOINT, before.joint(JOINT).to_vec());
+    let clipped = after.joint(JOINT).iter().map(|t| t.clamp(-limits[JOINT], limits[JOINT]));
+    let mut seen = moved.channels(JOINT, clipped.collect());
+    if let Some(values) = twin.values_at(effect, JOINT) {
+        effect.measure(&values, &mut seen);
+    }
+    let channels = [
+        ("torque, N.m", clear.torque, seen.torque),
+        ("speed, rad/s", clear.qd, seen.qd),
+        ("angle, rad", clear.q, seen.q),
+    ];
+    let most =
+        channels.into_iter().max_by(|a, b| change(&a.1, &a.2).total_cmp(&change(&b.1, &b.2)));
+    let (channel, before, after) = most.filter(|s| change(&s.1, &s.2) > LEAST)?;
     let at = |x: &[f64]| moved.rows().map(|k| x[k]).collect();
     Some(Example {
-        joint: joint + 1,
         channel,
         times: moved.rows().map(|k| k as f64 * DT - BEFORE_S).collect(),
-        speed: at(moved.qd.joint(joint)),
+        speed: at(moved.qd.joint(JOINT)),
         before: at(&before),
         after: at(&after),
     })

@@ -24,8 +24,8 @@ pub fn chapter() -> String {
          motion of 30 s of the built-in UR5 (sines of every joint, slow and fast): how large, on \
          which joint most, and how much of it (R2) goes with a single quantity of that joint. \
          `scenarios/effects/NAME.toml` hides each in a simulated arm; *Comes back* is what is found of it \
-         there. *By hand* is a number that the code is held against. Tables show what is recorded of \
-         the joint where the effect shows most, before and after it, as all joints turn around once.\n",
+         there. *By hand* is a number that the code is held against. The last table shows what is \
+         recorded of joint 2, before and after the effect, as all joints turn around once.\n",
     );
     let motion = Sines::new();
     for effect in CATALOGUE {
@@ -68,7 +68,7 @@ fn before_and_after(effect: &dyn Effect) -> String {
     let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
     let rule = vec!["---".to_string(); rows[0].len()];
     let text: String = rows[1..].iter().map(|row| line(row)).collect();
-    format!("\nJoint {} turns around:\n\n{}{}{text}", example.joint, line(&rows[0]), line(&rule))
+    format!("\n{}{}{text}", line(&rows[0]), line(&rule))
 }
 
 fn on_what(about: &About) -> &'static str {

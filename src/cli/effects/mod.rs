@@ -38,7 +38,7 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let all = || CATALOGUE.iter().map(|e| e.about());
     if args.guide {
-        print!("{}", guide::chapter());
+        out::document(&guide::chapter());
         return Ok(());
     }
     let (effect, json) = args.asked();
@@ -75,14 +75,14 @@ fn overview(all: impl Iterator<Item = &'static About> + Clone) -> String {
     let causes =
         all.clone().map(|about| vec![about.name.into(), about.law.into(), on(about).into()]);
     format!(
-        "{}\n\n{}\n\nOne joint of a UR5 turns around; recorded before and after the effect came, on the way \
+        "{}\n\n{}\n\nJoint 2 of a UR5 turns around; recorded before and after the effect came, on the way \
          out and back\n\n{}\n\nTorque the drive must supply on top of the rigid body, N.m; typical for a joint \
          of a UR5.\nCause, remedy and source of one effect: armtwin effects NAME",
         table(&header, 5, rows),
         table(&["effect", "law", "acts on"], 3, causes),
         table(
-            &["effect", "joint", "channel", "out", "after", "back", "after"],
-            3,
+            &["effect", "channel", "out", "after", "back", "after"],
+            2,
             all.filter_map(out_and_back)
         )
     )
@@ -98,8 +98,7 @@ fn out_and_back(about: &'static About) -> Option<Vec<String>> {
     let example = example(find(about.name)?)?;
     let two = |x: &[f64]| [x.get(1), x.last()].map(|x| x.map_or("-".into(), |x| rounded(*x, 3)));
     let ([out, back], [out_after, back_after]) = (two(&example.before), two(&example.after));
-    let joint = example.joint.to_string();
-    Some(vec![about.name.into(), joint, example.channel.into(), out, out_after, back, back_after])
+    Some(vec![about.name.into(), example.channel.into(), out, out_after, back, back_after])
 }
 
 fn details(about: &About) -> String {
@@ -127,9 +126,7 @@ fn details(about: &About) -> String {
         let mut rows = example.rows().into_iter();
         let header = rows.next().unwrap_or_default();
         let header: Vec<&str> = header.iter().map(String::as_str).collect();
-        let joint = example.joint;
-        let _ =
-            write!(text, "Joint {joint} of a UR5 turns around:\n{}\n\n", table(&header, 1, rows));
+        let _ = write!(text, "Joint 2 of a UR5 turns around:\n{}\n\n", table(&header, 1, rows));
     }
     text += &examples(about);
     text

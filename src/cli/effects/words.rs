@@ -48,11 +48,10 @@ pub fn by_hand(effect: &dyn Effect) -> Option<String> {
 
 /// What comes back of its scenario.
 pub fn comes_back(effect: &dyn Effect) -> Option<String> {
-    let times = |x: f64| if x == 1.0 { "once".to_string() } else { format!("{x} times") };
     Some(match effect.round_trip()? {
         RoundTrip::Fitted { strengths: [a, b], shows, .. } => {
             let all = "every fitted value in its 99 % interval or close by";
-            let at = format!("at {} and {} the scenario's strength", times(a), times(b));
+            let at = format!("at {a} and {b} times the scenario's strength");
             match shows.is_empty() {
                 true => format!("{all}, {at}"),
                 false => format!("{all}, {} told from zero, {at}", shows.join(" and ")),

@@ -45,7 +45,7 @@ use crate::workflow::{INERTIA, Identified, Identify, Prepared};
 pub struct Args {
     /// Recording to fit: file, or folder with one log per signal
     recording: PathBuf,
-    /// Another recording, which the fit is held against
+    /// Another recording, which the fit is tested on but not fitted to [default: none]
     #[arg(long, value_name = "RECORDING")]
     check: Option<PathBuf>,
     #[command(flatten)]
@@ -55,37 +55,37 @@ pub struct Args {
     method: Vec<MethodArg>,
     #[command(flatten)]
     work: WorkArgs,
-    /// What to fit, effects by name; `paper` is Eq. 1 (see `armtwin effects`)
+    /// Effects to fit, by name; `paper` is the friction law of Eq. 1 [default: see above]
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     terms: Vec<String>,
-    /// What to fit besides; `inertia` are the inertial parameters of all links
+    /// More effects to fit, by name; `inertia` is the inertia of all links [default: none]
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
-    /// Drop, one by one, the terms whose existence the robust test does not show, and fit the rest
+    /// Leave out, one by one, the terms that the data do not show, and fit the rest again
     #[arg(long)]
     reduce: bool,
-    /// Search bounds of a parameter, all joints (repeatable)
+    /// Bounds within which a parameter is searched at all joints; may be repeated [default: those of `armtwin effects`]
     #[arg(long, value_name = "NAME=MIN:MAX", value_parser = bound, allow_hyphen_values = true)]
     bounds: Vec<(String, [f64; 2])>,
-    /// Seed of the swarm and of the Markov chains
+    /// Random seed for the swarm and the Markov chains
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// How the swarm's cost is evaluated: the same number, a thousand times apart in speed
+    /// How the swarm's cost is computed: both give the same number, the first a thousand times faster
     #[arg(long, value_enum, default_value = "quadratic")]
     cost: CostArg,
     /// Write everything as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<Output>,
-    /// Write a report with pictures, for any browser
+    /// Write a report with pictures, for any browser [default: not written]
     #[arg(long, value_name = "FILE.html")]
     report: Option<Output>,
-    /// Write the twin with the fitted values (NLSE's where both ran)
+    /// Write the twin with the fitted values, those of NLSE where it ran [default: not written]
     #[arg(long, value_name = "FILE")]
     save_twin: Option<Output>,
-    /// With inertia: write the arm with the links found
+    /// With --with inertia: write the arm with the links that were found [default: not written]
     #[arg(long, value_name = "FILE.urdf")]
     save_urdf: Option<Output>,
-    /// With inertia: mass of all moving links where it is known, kg
+    /// With --with inertia: mass of all moving links together, kg [default: not known]
     #[arg(long, value_name = "KG", allow_hyphen_values = true)]
     total_mass: Option<f64>,
     /// Print every table: tests, other intervals, searches, all methods

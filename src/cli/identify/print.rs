@@ -2,8 +2,9 @@
 
 use super::{Report, links, scale};
 use crate::identification::{
-    self, Dropped, Interval, JointEstimate, Located, MethodResult, ParameterEstimate,
+    self, Dropped, Interval, JointEstimate, Located, MethodResult, ParameterEstimate, Standing,
 };
+use crate::numbers::chance;
 use crate::report::{table, to_uncertainty};
 use crate::workflow::{Used, words};
 
@@ -96,11 +97,11 @@ const PARAMETERS: [&str; 14] = [
     "high",
     "t",
     "p",
-    "asympt. low",
+    "white noise low",
     "high",
-    "paper low",
+    "Eq. 8 low",
     "high",
-    "bounds",
+    "searched within",
     "",
 ];
 
@@ -122,9 +123,13 @@ fn print_intervals(result: &MethodResult) {
     let joints = result.joints.iter().flat_map(|j| j.parameters.iter().map(move |p| (j.joint, p)));
     let posterior = |(joint, p)| posterior_row(joint, p);
     let rows: Vec<Vec<String>> = joints.filter_map(posterior).collect();
-    let others = "asympt.: as if residuals were white; paper: its Eq. 8, sqrt(n) too narrow";
+    let others = "white noise: as if neighbouring residuals had nothing to do with each other, too narrow; \
+                  Eq. 8: the paper's, too narrow by sqrt(n)";
     if rows.is_empty() {
-        println!("99 %: robust to autocorrelation; {others}");
+        println!(
+            "99 %: holds for residuals that hang together in time; t: value over standard error; p: chance of \
+             such a value if there were none; {others}"
+        );
         return;
     }
     println!(
@@ -160,16 +165,12 @@ fn posterior_row(joint: usize, p: &ParameterEstimate) -> Option<Vec<String>> {
 }
 
 fn parameter_row(joint: String, p: &ParameterEstimate) -> Vec<String> {
-    let remark = match (p.identifiable, p.at_bound) {
-        (false, _) => "not identifiable",
-        (true, true) => "at bound",
-        (true, false) => "",
-    };
+    let remark = remark(p);
     let ends = |i: &Interval| [number(i.low), number(i.high)];
     let [value, low, high] = to_uncertainty(p.value, p.low, p.high);
     let mut row = vec![joint, p.name.clone(), p.unit.clone(), value];
     if p.identifiable {
-        row.extend([low, high, format!("{:.1}", p.statistic), words::chance(p.p)]);
+        row.extend([low, high, format!("{:.1}", p.statistic), chance(p.p)]);
         row.extend(ends(&p.asymptotic));
         row.extend(ends(&p.paper));
     } else {
@@ -178,6 +179,16 @@ fn parameter_row(joint: String, p: &ParameterEstimate) -> Vec<String> {
     row.push(format!("{} .. {}", p.bounds[0], p.bounds[1]));
     row.push(remark.into());
     row
+}
+
+/// What stands beside a parameter's numbers.
+fn remark(p: &ParameterEstimate) -> &'static str {
+    match (identification::standing(p), p.at_bound) {
+        (Standing::Open, _) => "not determined",
+        (_, true) => "at its bound",
+        (Standing::MayBeZero, false) => "may be zero",
+        (Standing::Shown, false) => "",
+    }
 }
 
 fn number(x: f64) -> String {
@@ -192,10 +203,10 @@ fn number(x: f64) -> String {
 
 fn search_header(checked: bool) -> Vec<&'static str> {
     let mut header =
-        vec!["joint", "samples", "cost N.m", "evaluations", "ms", "stopped", "R2", "R2 printed"];
+        vec!["joint", "samples", "cost N.m", "evaluations", "ms", "stopped", "R2", "R2 (Eq. 20)"];
     header.push("MSE (N.m)2");
     if checked {
-        header.extend(["check R2", "check R2 printed", "check MSE (N.m)2"]);
+        header.extend(["check R2", "check R2 (Eq. 20)", "check MSE (N.m)2"]);
     }
     header
 }
@@ -219,7 +230,7 @@ fn search_row(j: &JointEstimate) -> Vec<String> {
     row
 }
 
-/// Why parameters are not identifiable, one line per joint and reason.
+/// Why parameters are not determined, one line per joint and reason.
 pub fn reasons(result: &MethodResult) {
     let mut lines: Vec<(String, String, Vec<String>)> = Vec::new();
     let joints = result.joints.iter().map(|j| (format!("joint {}", j.joint), &j.parameters));
@@ -233,7 +244,7 @@ pub fn reasons(result: &MethodResult) {
         }
     }
     if !lines.is_empty() {
-        println!("\nNot identifiable:");
+        println!("\nNot determined by these data:");
     }
     for (place, why, names) in lines {
         println!("  {place}, {}: {why}", names.join(", "));

@@ -11,10 +11,10 @@ pub struct LoadArgs {
     /// Recording of the arm with a known load at the flange: tells the drives' torque constants
     #[arg(long, value_name = "RECORDING", requires = "payload")]
     loaded: Option<PathBuf>,
-    /// Mass of that load, kg
+    /// Mass of the load of --loaded, kg
     #[arg(long, value_name = "KG", value_parser = mass, requires = "loaded", allow_hyphen_values = true)]
     payload: Option<f64>,
-    /// Centre of its mass in the flange's frame, m [default: found along]
+    /// Centre of the load's mass in the flange's frame, m [default: it is fitted]
     #[arg(
         long,
         value_name = "X,Y,Z",

@@ -1,12 +1,13 @@
 //! Reports as one HTML file each: no network, readable on a phone, on paper and without JavaScript.
 
-mod chart;
+mod bars;
 mod diagnosis;
 mod frame;
 mod identification;
 #[cfg(feature = "studies")]
 mod motor;
 mod plot;
+mod scale;
 #[cfg(feature = "studies")]
 mod study;
 mod table;

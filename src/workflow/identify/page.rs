@@ -57,12 +57,14 @@ fn curves(twin: &Twin, samples: &Samples) -> Result<Vec<JointCurves>, WorkflowEr
     let (whole, masses) = (twin.torque(&motion), bare.torque(&motion));
     let joint = |j: usize| {
         let rows = samples.rows(j);
-        let less = |a: &[f64]| -> Vec<f64> {
-            let mut rest: Vec<f64> = a.iter().zip(masses.joint(j)).map(|(a, m)| a - m).collect();
+        let filtered = |mut all: Vec<f64>| -> Vec<f64> {
             if let Some(filter) = &filter {
-                filter.apply(&mut rest);
+                filter.apply(&mut all);
             }
-            rows.take(&rest)
+            rows.take(&all)
+        };
+        let less = |a: &[f64]| -> Vec<f64> {
+            filtered(a.iter().zip(masses.joint(j)).map(|(a, m)| a - m).collect())
         };
         JointCurves {
             joint: j + 1,
@@ -70,6 +72,7 @@ fn curves(twin: &Twin, samples: &Samples) -> Result<Vec<JointCurves>, WorkflowEr
             step: samples.decimation() as f64 * samples.dt,
             position: rows.take(samples.q.joint(j)),
             velocity: rows.take(samples.qd.joint(j)),
+            masses: filtered(masses.joint(j).to_vec()),
             measured: less(samples.torque.joint(j)),
             fitted: less(whole.joint(j)),
         }

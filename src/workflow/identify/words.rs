@@ -2,6 +2,7 @@
 
 use super::{Identified, Link, LinkValue, Scaled, Summary};
 use crate::identification::{Dropped, Gain};
+use crate::numbers::chance;
 use crate::report::to_uncertainty;
 
 /// Terms that were taken out and why, one line per joint.
@@ -16,17 +17,6 @@ pub fn dropped(dropped: &[Dropped]) -> Vec<String> {
         format!("joint {joint}: {}", terms.collect::<Vec<_>>().join(", "))
     };
     joints.into_iter().map(line).collect()
-}
-
-/// A probability.
-pub fn chance(p: f64) -> String {
-    if p == 0.0 {
-        "<1e-308".into()
-    } else if p < 1e-3 {
-        format!("{p:.0e}")
-    } else {
-        format!("{p:.3}")
-    }
 }
 
 /// How recordings became samples.

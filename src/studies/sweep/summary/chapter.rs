@@ -1,7 +1,7 @@
 //! One aspect of a study of identification: what goes in and what comes out.
 
 use super::seen::Seen;
-use crate::studies::sweep::panel::Panel;
+use crate::figure::Panel;
 
 /// One system's rows.
 pub struct Part<'a> {

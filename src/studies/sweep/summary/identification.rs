@@ -3,12 +3,13 @@
 use super::chapter::{Chapter, Part};
 use super::seen::{Seen, in_order, seen};
 use super::{Page, coverage, detection, distinct, errors, rounding};
-use crate::studies::sweep::panel::Figure;
+use crate::figure::Figure;
 use crate::studies::sweep::table::Table;
 
 pub fn page(cells: &Table) -> Page {
     let all = seen(cells);
-    let mut page = Page { text: String::new(), picture: None, figures: Vec::new() };
+    let mut page =
+        Page { headline: String::new(), text: String::new(), picture: None, figures: Vec::new() };
     for system in in_order(all.iter().map(|r| r.system.as_str())) {
         let here = all.iter().filter(|r| r.system == system);
         let (mut rows, mut exact): (Vec<&Seen>, Vec<&Seen>) =
@@ -24,6 +25,9 @@ pub fn page(cells: &Table) -> Page {
         };
         let name = if system == "arm" { "The arm" } else { "The motor" };
         page.text += &format!("## {name}\n\n");
+        if page.headline.is_empty() {
+            page.headline = errors::headline(&part);
+        }
         page.picture.get_or_insert_with(|| errors::overview(&part));
         let mut chapters =
             vec![errors::chapter(&part), coverage::chapter(&part), detection::chapter(&part)];
