@@ -7,9 +7,9 @@ use mcap::records::MessageHeader;
 
 use std::path::{Path, PathBuf};
 
-use super::{RosBag, effort};
+use super::{RosBag, effort, message};
 use crate::recording::bag_map::{BagMap, Effort};
-use crate::recording::format::Format;
+use crate::recording::format::{Format, WriteOptions};
 use crate::recording::{self, write};
 use crate::recording::{Channel, ColumnMap, Provenance, Recording, RecordingError};
 use crate::robot::{Workspace, gravity_torque};
