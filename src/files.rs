@@ -2,6 +2,7 @@
 //! ([`guard`]), and without a trace of them where the program is interrupted.
 
 mod digest;
+mod growing;
 pub mod guard;
 
 use std::fs::{self, File, OpenOptions};
@@ -12,6 +13,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
 
 pub use digest::{sha256, sha256_of_file};
+pub use growing::Growing;
 pub use guard::may_write;
 
 /// Writes through `fill` into a temporary neighbour of `path`, then renames it. Standard output (`-`),

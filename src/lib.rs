@@ -55,6 +55,7 @@ pub mod follow;
 pub mod identification;
 pub mod kernels;
 pub mod limits;
+pub mod live;
 pub mod motion;
 #[cfg(feature = "studies")]
 pub mod motor;
@@ -66,6 +67,7 @@ pub mod report;
 pub mod resimulation;
 pub mod rigid_body;
 pub mod robot;
+pub mod rtde;
 pub mod series;
 pub mod signals;
 pub mod simulation;
@@ -78,6 +80,7 @@ pub mod trials;
 pub mod twin;
 #[cfg(feature = "viewer")]
 pub mod viewer;
+pub mod watch;
 pub mod workflow;
 
 pub use recording::Recording;

@@ -79,6 +79,10 @@ fn rooms_only_look_upstream() {
         "excitation",
         &["diagnosis", "identification", "cli", "viewer", "report::html"],
     );
+    // Bytes and rows come in from outside; who makes them knows nothing of what becomes of them.
+    assert_never_uses("rtde", &["live", "watch", "recording", "simulation", "cli"]);
+    assert_never_uses("live", &["watch", "diagnosis", "identification", "cli"]);
+    assert_never_uses("watch", &["live", "rtde", "studies", "cli", "viewer"]);
     // What both have in common lies below both.
     assert_never_uses("workflow", &["cli"]);
     // Pages show what these find; tables as text are for all of them.

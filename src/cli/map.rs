@@ -80,7 +80,7 @@ fn remarks(
         Err(why) => _ = writeln!(text, "# It cannot be read like this: {why}"),
         Ok(recording) => {
             let doubts = judge_alone(recording);
-            doubts.iter().for_each(|d| _ = writeln!(text, "# Doubtful: {}", d));
+            doubts.iter().for_each(|d| _ = writeln!(text, "# Doubtful: {d}"));
         }
     }
     match arm {

@@ -4,6 +4,7 @@
 mod out;
 
 mod accuracy;
+mod alarms;
 mod case_studies;
 mod compare;
 mod completions;
@@ -18,6 +19,7 @@ mod excite;
 mod export;
 #[cfg(test)]
 mod help_tests;
+mod history;
 mod identify;
 mod inspect;
 mod interrupt;
@@ -27,17 +29,21 @@ mod motor;
 mod motor_archive;
 mod outputs;
 mod progress;
+mod record;
 mod recordings;
 mod recovery;
 mod robots;
 mod save;
+mod serve;
 mod simulate;
+mod source;
 mod stream;
 mod study;
 mod trial;
 mod twin;
 mod urdf;
 mod view;
+mod watch;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -57,6 +63,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Accuracy(accuracy::Args),
+    Alarms(alarms::Args),
     CaseStudies(case_studies::Args),
     Compare(compare::Args),
     Completions(completions::Args),
@@ -68,17 +75,21 @@ enum Command {
     Effects(effects::Args),
     Excite(Box<excite::Args>),
     Export(export::Args),
+    History(history::Args),
     Identify(identify::Args),
     Inspect(inspect::Args),
     Man(man::Args),
     Map(map::Args),
     Motor(motor::Args),
+    Record(record::Args),
     Recovery(recovery::Args),
     Robots(robots::Args),
+    Serve(serve::Args),
     Simulate(simulate::Args),
     Study(Box<study::Args>),
     Trial(trial::Args),
     Urdf(urdf::Args),
+    Watch(Box<watch::Args>),
 }
 
 /// All commands and flags, as help, manual pages and completions show them.
@@ -118,6 +129,7 @@ pub fn in_words(error: &anyhow::Error) -> String {
 fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Accuracy(args) => accuracy::run(&args),
+        Command::Alarms(args) => alarms::run(&args),
         Command::CaseStudies(args) => case_studies::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Completions(args) => {
@@ -132,16 +144,20 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Effects(args) => effects::run(&args),
         Command::Excite(args) => excite::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::History(args) => history::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Man(args) => man::run(&args),
         Command::Map(args) => map::run(&args),
         Command::Motor(args) => motor::run(&args),
+        Command::Record(args) => record::run(&args),
         Command::Recovery(args) => recovery::run(&args),
         Command::Robots(args) => robots::run(&args),
+        Command::Serve(args) => serve::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Study(args) => study::run(&args),
         Command::Trial(args) => trial::run(&args),
         Command::Urdf(args) => urdf::run(&args),
+        Command::Watch(args) => watch::run(&args),
     }
 }

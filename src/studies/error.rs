@@ -24,6 +24,8 @@ pub enum StudyError {
     #[error(transparent)]
     Diagnosis(#[from] DiagnosisError),
     #[error(transparent)]
+    Watch(#[from] crate::watch::WatchError),
+    #[error(transparent)]
     Motor(#[from] MotorError),
     #[error(transparent)]
     Figure(#[from] FigureError),

@@ -3,7 +3,7 @@
 #[cfg(feature = "viewer")]
 mod build;
 #[cfg(feature = "viewer")]
-mod fit;
+pub(super) mod fit;
 #[cfg(feature = "viewer")]
 mod judge;
 #[cfg(feature = "viewer")]

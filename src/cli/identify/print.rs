@@ -4,7 +4,6 @@ use super::{Report, links, scale};
 use crate::identification::{
     self, Dropped, Interval, JointEstimate, Located, MethodResult, ParameterEstimate, Standing,
 };
-use crate::numbers::chance;
 use crate::report::{table, to_uncertainty};
 use crate::workflow::{Used, words};
 

@@ -3,6 +3,7 @@
 mod bars;
 mod diagnosis;
 mod frame;
+mod history;
 mod identification;
 #[cfg(feature = "studies")]
 mod motor;
@@ -16,6 +17,7 @@ mod tests;
 
 pub use diagnosis::{DiagnosisReport, diagnosis_report};
 pub use frame::{Fact, Page, Section};
+pub use history::{HistoryReport, history_report};
 pub use identification::{IdentificationReport, JointCurves, identification_report};
 #[cfg(feature = "studies")]
 pub use motor::motor_report;
