@@ -169,7 +169,7 @@ fn parameter_row(joint: String, p: &ParameterEstimate) -> Vec<String> {
     let [value, low, high] = to_uncertainty(p.value, p.low, p.high);
     let mut row = vec![joint, p.name.clone(), p.unit.clone(), value];
     if p.identifiable {
-        row.extend([low, high, format!("{:.1}", p.statistic), chance(p.p)]);
+        row.extend([low, high, format!("{:.1}", p.statistic), words::chance(p.p)]);
         row.extend(ends(&p.asymptotic));
         row.extend(ends(&p.paper));
     } else {

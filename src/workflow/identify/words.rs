@@ -2,7 +2,7 @@
 
 use super::{Identified, Link, LinkValue, Scaled, Summary};
 use crate::identification::{Dropped, Gain};
-use crate::numbers::chance;
+pub use crate::numbers::chance;
 use crate::report::to_uncertainty;
 
 /// Terms that were taken out and why, one line per joint.
