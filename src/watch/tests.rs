@@ -106,24 +106,24 @@ fn the_gap_is_that_of_a_diagnosis_and_as_large_as_what_is_hidden() {
     for row in changed.rows() {
         let Some(Seen { stretch, .. }) = watch.row(&row).unwrap() else { continue };
         let first = whole.time.iter().position(|t| (t - stretch.time[0]).abs() < 1e-6).unwrap();
-        for j in 0..6 {
+        for (j, noise) in noise.iter().enumerate() {
             let counted = (0..stretch.len()).filter(|&k| stretch.counts[j][k]);
             let off = |k: usize| (stretch.left(j, k) - whole.left(j, first + k)).powi(2);
             let squares: Vec<f64> = counted.map(off).collect();
             let rms = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
-            assert!(rms < 0.1 * noise[j], "joint {j}: {rms} beside {}", noise[j]);
+            assert!(rms < 0.1 * noise, "joint {j}: {rms} beside {noise}");
         }
         seen += stretch.len();
         assert!(watch.held() < 10_000, "{}", watch.held());
     }
     assert!(seen > 2000, "{seen}");
     let level = watch.figures().level();
-    for j in 0..6 {
+    for (j, noise) in noise.iter().enumerate() {
         let (now, level) = (watch.figures().now(j)[0].unwrap(), level.0[j][0].unwrap());
         let more = now.along_nm - level.along_nm;
         let expected = if j == 2 { 1.5 } else { 0.0 };
         assert!((more - expected).abs() < 0.15, "joint {j}: {more}");
-        assert!((level.rms_nm / noise[j] - 1.0).abs() < 0.6, "joint {j}: {level:?} {}", noise[j]);
+        assert!((level.rms_nm / noise - 1.0).abs() < 0.6, "joint {j}: {level:?} {noise}");
     }
     let alarm = Alarm { joint: 2, feature: 0, more: true, since: 0.0, noticed: 1.0 };
     let words = alarm.words(&watch.figures().now(2), &level.0[2]);

@@ -353,11 +353,11 @@ fn a_change_is_noticed_where_and_when_it_is_and_remembered() {
     assert_eq!(change["joint"], 3);
     let (since, noticed) = (change["since"].as_f64().unwrap(), change["noticed"].as_f64().unwrap());
     assert!((since - 90.3).abs() < 6.0 && noticed - 90.3 < 40.0, "{change}");
-    let gaps = lines.iter().filter(|l| l["kind"] == "gap");
-    let last = gaps.clone().last().unwrap();
+    let gaps: Vec<_> = lines.iter().filter(|l| l["kind"] == "gap").collect();
+    let last = gaps.last().unwrap();
     let along = &last["joints"][2]["now"]["sliding"]["along_nm"];
     assert!((0.4..2.0).contains(&along.as_f64().unwrap()), "{last}");
-    assert!(gaps.count() > 50);
+    assert!(gaps.len() > 50);
 
     let page = path("watched.html");
     let history = armtwin(&["history", &path("watched"), "-o", &page]);

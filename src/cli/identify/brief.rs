@@ -13,7 +13,7 @@ pub fn print(report: &Report<'_>) {
         used.provenance.notes.iter().for_each(|note| println!("         {note}"));
     }
     print::searched(&report.located).iter().for_each(|line| println!("searched {line}"));
-    report.scaled.iter().for_each(|scaled| scale::print(scaled));
+    report.scaled.iter().for_each(scale::print);
     let Some(result) = report.preferred() else { return };
     println!(
         "\nValues by {}, +- half the width of the 99 % interval; (0?): the interval holds zero, the \
@@ -29,7 +29,7 @@ pub fn print(report: &Report<'_>) {
         words::dropped(dropped).iter().for_each(|line| println!("  {line}"));
     });
     print::reasons(result);
-    report.rigid_body.iter().for_each(|body| links::print(body));
+    report.rigid_body.iter().for_each(links::print);
     println!("\nWhat {} found", result.method);
     identification::verdict(result).iter().for_each(|line| println!("  {line}"));
     let (version, seed) = (env!("CARGO_PKG_VERSION"), report.settings.seed);

@@ -25,12 +25,12 @@ pub fn print(report: &Report<'_>) {
     searched(&report.located).iter().for_each(|line| println!("searched {line}"));
     println!("signals  {}", words::signals(report));
     report.dropped.iter().for_each(|d| print_dropped(d));
-    report.scaled.iter().for_each(|scaled| scale::print(scaled));
+    report.scaled.iter().for_each(scale::print);
     for result in &report.results {
         print_method(result);
     }
     report.links_spread.iter().for_each(|spread| payload_note(*spread));
-    report.rigid_body.iter().for_each(|body| links::print(body));
+    report.rigid_body.iter().for_each(links::print);
     if let Some(result) = report.results.last() {
         println!("\nWhat {} found", result.method);
         identification::verdict(result).iter().for_each(|line| println!("  {line}"));
