@@ -1,6 +1,6 @@
 //! Twins and their arms.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use armtwin::effects::Motion;
@@ -77,7 +77,8 @@ impl Twin {
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         detached(py, || {
             let mut twin = self.0.twin.clone();
-            if robot::builtin(&twin.source).is_none() && !Path::new(&twin.source).is_file() {
+            // An arm that no URDF holds: from arrays, or from a MuJoCo model.
+            if armtwin::twin::read_robot(&twin.source, &twin.chain, &path).is_err() {
                 let beside = path.with_extension("urdf");
                 let text = urdf::write(&twin.robot);
                 write_whole(&beside, |out| out.write_all(text.as_bytes()))

@@ -11,6 +11,22 @@ from ._listen import Listener
 _Floats = npt.NDArray[np.float64]
 _Bools = npt.NDArray[np.bool_]
 
+__all__ = [
+    "Diagnosed",
+    "Identified",
+    "Recording",
+    "Twin",
+    "__version__",
+    "diagnose",
+    "effects",
+    "identify",
+    "main",
+    "predict",
+    "simulate",
+    "trajectory",
+    "write_text",
+]
+
 __version__: str
 
 @final

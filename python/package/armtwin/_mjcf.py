@@ -62,6 +62,8 @@ def _chain(mujoco: Any, model: Any, tip: str | None, name: str) -> list[int]:
         body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, tip)
         if body < 0:
             raise InputError(f"{name}: no body {tip}")
+    elif model.nbody < 2:
+        raise InputError(f"{name}: no hinge")
     else:
         body = max(range(1, model.nbody), key=lambda b: (count(b), -b))
     chain = above(body)
