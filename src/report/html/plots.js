@@ -56,6 +56,15 @@
     }
   }, { rootMargin: "600px" });
   plots.forEach(plot => near.observe(plot));
+  // The others follow one by one, whether somebody scrolls or not: a browser without a window tells of no
+  // plot that comes near.
+  const rest = () => {
+    const next = plots.find(plot => !drawn.has(plot) && plot.offsetParent);
+    if (!next) return;
+    draw(next, false);
+    setTimeout(rest, 50);
+  };
+  setTimeout(rest, 500);
   dark.addEventListener("change", redraw);
 
   // Paper is white and has everything on it.
