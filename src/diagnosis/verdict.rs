@@ -42,10 +42,10 @@ impl<'a> Findings<'a> {
             || kinematics::lagging(fit, check, settings),
         );
         // So many values are for both searches to ask for.
-        let links = links::with_links(blind, &alone);
-        let links = links.and_then(|alone| Some((alone, links::with_links(both, &found)?)));
-        if let Some(with_links) = links {
-            (alone, found) = with_links;
+        let asked =
+            rayon::join(|| links::with_links(blind, &alone), || links::with_links(both, &found));
+        if let (Some(of_fit), Some(of_both)) = asked {
+            (alone, found) = (of_fit, of_both);
         }
         let held = HeldOut::new(&alone.last, check);
         let Called { fit: last, standings, gains, unconfirmed } =
