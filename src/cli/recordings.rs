@@ -9,7 +9,7 @@ use anyhow::{anyhow, bail};
 use super::twin::Arm;
 use crate::follow::Watch;
 use crate::recording::{self, FEWEST_SAMPLES, Recording};
-use crate::workflow::{Prepared, Reading, WorkflowError};
+use crate::workflow::{Prepared, Reading, SignalOptions, WorkflowError};
 
 /// What every command that takes a recording takes with it.
 #[derive(clap::Args, Clone, Default)]
@@ -70,7 +70,7 @@ impl ReadArgs {
 }
 
 impl WorkArgs {
-    /// Reads a recording of `arm`; `floor_hz` is the least rate that will do.
+    /// Reads a recording of `arm`, to be conditioned by `signals`.
     ///
     /// # Errors
     /// If it cannot be read, is of another number of joints, or contradicts itself or the arm and is
@@ -79,11 +79,11 @@ impl WorkArgs {
         &self,
         path: &Path,
         arm: &Arm,
-        floor_hz: f64,
+        signals: SignalOptions,
         watch: &dyn Watch,
     ) -> anyhow::Result<Prepared<'static>> {
         let recording = Cow::Owned(self.read.read(path)?);
-        let taken = self.reading().take(recording, arm, floor_hz, watch);
+        let taken = self.reading(signals).take(recording, arm, watch);
         taken.map_err(|error| match error {
             WorkflowError::Doubted { .. } => {
                 anyhow!("{error}\n(--force goes on with it as it is; `armtwin inspect` shows more)")
@@ -92,7 +92,8 @@ impl WorkArgs {
         })
     }
 
-    fn reading(&self) -> Reading {
-        Reading { every_row: self.every_row, force: self.force }
+    /// How its recordings are taken.
+    pub fn reading(&self, signals: SignalOptions) -> Reading {
+        Reading { signals, every_row: self.every_row, force: self.force }
     }
 }
