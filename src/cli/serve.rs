@@ -139,9 +139,7 @@ fn say(event: &Served) {
         Served::Came(peer) => println!("{peer} connected"),
         Served::Went(peer, None) => println!("{peer} went"),
         Served::Went(peer, Some(why)) => println!("{peer} was dropped: {why}"),
-        Served::Heard(peer, Heard::Text(text)) => {
-            println!("{peer} {}: {} {}", text.level.word(), text.source, text.message);
-        }
+        Served::Heard(peer, Heard::Text(text)) => println!("{peer}: {text}"),
         Served::Heard(peer, Heard::Started { quantities, rate_hz }) => {
             println!("{peer} takes {quantities} quantities at {rate_hz} Hz");
         }

@@ -27,6 +27,7 @@ use super::twin::{Arm, ArmArgs};
 use super::{compare, interrupt};
 use crate::diagnosis::conditioning;
 use crate::live::{Feed, Gaps, News, Pace};
+use crate::numbers;
 use crate::recording;
 use crate::signals::condition;
 use crate::twin::Twin;
@@ -181,8 +182,9 @@ impl Watching {
         let expected = self.watch.detector().expected();
         let hours = expected.every_s / 3600.0;
         self.screen.event(&format!(
-            "changes are looked for in {} charts: one false alarm in {hours:.4} h of motion is expected",
-            expected.charts
+            "changes are looked for in {} charts: one false alarm in {} h of motion is expected",
+            expected.charts,
+            numbers::digits(hours)
         ));
     }
 
@@ -242,6 +244,7 @@ impl Watching {
             crate::watch::FEATURES[alarm.feature],
             self.clock.words(alarm.noticed)
         );
+        self.screen.change(alarm.joint, &self.clock.words(alarm.since));
         self.screen.event(&said);
         let (since, noticed) = (self.clock.of(alarm.since), self.clock.of(alarm.noticed));
         let event = serde_json::json!({
