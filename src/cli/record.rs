@@ -23,11 +23,11 @@ use crate::recording::{JOURNALED, Journal, RecordingError, journal_of};
   armtwin record --from rtde://192.168.0.10 --rate 500 --reconnect -o day.parquet
   armtwin record --from bag.mcap --follow -o run.csv
 
-Rows go to run.parquet.part.csv as they come, which is a recording at any moment, also after the
-program was killed or the power failed (all but the last second of it): read it as it is, or
-`armtwin convert` it. At the end, by --seconds or Ctrl-C, it becomes run.parquet. Before a recording has more
-rows than armtwin reads (83 minutes at 1 kHz with few columns, 53 at 500 Hz with the usual ones) it goes on in
-run.2.parquet. Gaps in the controller's clock stay gaps.")]
+Rows go to run.parquet.part.csv as they come, which is a recording at any moment, also after the program was killed \
+or the power failed (all but the last second of it): read it as it is, or `armtwin convert` it. At the end, by \
+--seconds or Ctrl-C, it becomes run.parquet. Before a recording has more rows than armtwin reads (83 minutes at 1 kHz \
+with few columns, 53 at 500 Hz with the usual ones) it goes on in run.2.parquet. Gaps in the controller's clock stay \
+gaps.")]
 pub struct Args {
     #[command(flatten)]
     source: SourceArgs,

@@ -5,14 +5,14 @@ use std::io;
 use crate::recording::RecordingError;
 use crate::rtde::RtdeError;
 
-const WHERE: &str = "controllers have it at port 30004, those of the e-series once it is enabled \
+const WHERE: &str = "controllers have RTDE at port 30004, those of the e-series once it is enabled \
                      (Settings, Security, Services)";
 
 /// What a person can do about it.
 fn unanswered(source: &io::Error) -> String {
     match source.kind() {
         io::ErrorKind::ConnectionRefused => {
-            format!("the machine is there, and nothing listens at this port; RTDE: {WHERE}")
+            format!("the machine is there, but nothing listens at this port: {WHERE}")
         }
         _ => format!("{source}; check the address, the cable, and that the arm is switched on"),
     }
@@ -28,7 +28,7 @@ pub enum LiveError {
     #[error("{address}: no controller answers there: {}", unanswered(source))]
     Connect { address: String, source: io::Error },
     /// What answered ended the talk before it said anything of RTDE.
-    #[error("{0}; nothing of RTDE was heard there: {WHERE}")]
+    #[error("{0}, and nothing of RTDE was heard: {WHERE}")]
     Stranger(Box<LiveError>),
     #[error("{address}: {source}")]
     Talk { address: String, source: RtdeError },

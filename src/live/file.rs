@@ -209,7 +209,12 @@ fn follow_whole(path: &Path, map: Option<&ColumnMap>, out: &Outbox) -> Result<()
         match &seen {
             None => out.tell(News::Columns(names.clone())),
             Some((_, before)) if *before != names => {
-                return Err(LiveError::Follow(format!("{}: its columns changed", path.display())));
+                return Err(LiveError::Follow(format!(
+                    "{}: its columns were {}, and are {} now; a column map (--columns) says what they are",
+                    path.display(),
+                    before.join(", "),
+                    names.join(", ")
+                )));
             }
             Some(_) => {}
         }

@@ -11,8 +11,6 @@ use tempfile::TempDir;
 
 use super::{Output, armtwin};
 
-/// Programs of others, which stay where they are.
-const PEERS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/peers/rtde");
 /// Python with the package `ur_rtde`.
 const SDU: &str = "ARMTWIN_UR_RTDE_PYTHON";
 
@@ -39,8 +37,9 @@ coulomb = [6, 7, 5, 1.5, 1.2, 1.0]
 viscous = [9, 11, 7, 1.9, 1.4, 1.1]
 ";
 
+/// A program of others, which stays where it is.
 fn peer(name: &str) -> Option<PathBuf> {
-    let path = Path::new(PEERS).join(name);
+    let path = super::real::shared().join("peers/rtde").join(name);
     if !path.exists() {
         eprintln!("skipped: {} is not there", path.display());
         return None;

@@ -40,12 +40,12 @@ use crate::watch::{Answer, Memory, Seen, Settings, Watch};
   armtwin watch --twin twin.toml --from run.csv --follow
   armtwin watch --twin twin.toml --from day.parquet --fast --json - | jq .kind
 
-Predicted against measured torque, joint by joint and regime by regime: how large the gap is now (exponentially
-weighted) beside the level the twin left of the recording it was fitted on (--fitted-on), or in the first
-minutes. When a joint's gap changes, that is said at once with the time since when; a minute later the minutes
-before and after are diagnosed in the background, and what is new in them is named. --false-alarm-every states
-how often that may happen without a change; docs/alarms.md has what was measured. Without a terminal a line a
-minute is printed.")]
+Predicted against measured torque, joint by joint and regime by regime: how large the gap is now (exponentially \
+weighted) beside the level the twin left of the recording it was fitted on (--fitted-on), or in the first minutes. \
+When a joint's gap changes, that is said at once with the time since when; a minute later the minutes before and \
+after are diagnosed in the background, and what is new in them is named. A joint has to slide for \
+48 s before a change of it can be noticed. --false-alarm-every states how often that may happen \
+without a change; docs/alarms.md has what was measured. Without a terminal a line a minute is printed.")]
 pub struct Args {
     #[command(flatten)]
     arm: ArmArgs,

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::live::file::columns;
-use crate::recording::{self, Channel, Recording, WriteOptions};
+use crate::recording::{self, Channel, ColumnMap, Recording, WriteOptions};
 
 #[test]
 fn a_file_is_followed_while_it_grows() {
@@ -49,7 +49,10 @@ fn a_bag_is_followed_while_it_is_written() {
     let expected = recording::read(&whole, None).unwrap();
     let bytes = std::fs::read(&whole).unwrap();
     std::fs::write(&grows, b"").unwrap();
-    let feed = follow(&grows, None).unwrap();
+    // What effort is would else be told by gravity, once enough of it was seen.
+    let map = folder.path().join("map.toml");
+    std::fs::write(&map, "[bag]\neffort = \"torque\"\n").unwrap();
+    let feed = follow(&grows, Some(ColumnMap::load(&map).unwrap())).unwrap();
     assert!(feed.next(Duration::from_millis(300)).is_none(), "nothing is in it, and it may come");
     let append = |part: &[u8]| {
         let mut file = std::fs::OpenOptions::new().append(true).open(&grows).unwrap();
