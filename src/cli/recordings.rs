@@ -82,18 +82,28 @@ impl WorkArgs {
         signals: SignalOptions,
         watch: &dyn Watch,
     ) -> anyhow::Result<Prepared<'static>> {
-        let recording = Cow::Owned(self.read.read(path)?);
-        let taken = self.reading(signals).take(recording, arm, watch);
-        taken.map_err(|error| match error {
-            WorkflowError::Doubted { .. } => {
-                anyhow!("{error}\n(--force goes on with it as it is; `armtwin inspect` shows more)")
-            }
-            other => other.into(),
-        })
+        let recording = self.read.read(path)?;
+        take(&self.reading(signals), recording, arm, watch)
     }
 
     /// How its recordings are taken.
     pub fn reading(&self, signals: SignalOptions) -> Reading {
         Reading { signals, every_row: self.every_row, force: self.force }
     }
+}
+
+/// Holds a recording against `arm`, with a word on how to go on where it contradicts itself.
+pub fn take(
+    reading: &Reading,
+    recording: Recording,
+    arm: &Arm,
+    watch: &dyn Watch,
+) -> anyhow::Result<Prepared<'static>> {
+    let taken = reading.take(Cow::Owned(recording), arm, watch);
+    taken.map_err(|error| match error {
+        WorkflowError::Doubted { .. } => {
+            anyhow!("{error}\n(--force goes on with it as it is; `armtwin inspect` shows more)")
+        }
+        other => other.into(),
+    })
 }

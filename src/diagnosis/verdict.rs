@@ -42,10 +42,10 @@ impl<'a> Findings<'a> {
             || kinematics::lagging(fit, check, settings),
         );
         // So many values are for both searches to ask for.
-        let links = links::with_links(blind, &alone);
-        let links = links.and_then(|alone| Some((alone, links::with_links(both, &found)?)));
-        if let Some(with_links) = links {
-            (alone, found) = with_links;
+        let asked =
+            rayon::join(|| links::with_links(blind, &alone), || links::with_links(both, &found));
+        if let (Some(of_fit), Some(of_both)) = asked {
+            (alone, found) = (of_fit, of_both);
         }
         let held = HeldOut::new(&alone.last, check);
         let Called { fit: last, standings, gains, unconfirmed } =
@@ -120,8 +120,12 @@ impl<'a> Findings<'a> {
         let values = slow::values(&self.last);
         // Slow torque may say that nothing is there.
         let inside = |i: &usize| values[*i].first().is_none_or(|v| !v.at_bound);
-        let absent =
-            |i: &usize| intervals::may_be_absent(self.last.model.causes[*i].candidate, &values[*i]);
+        let absent = |i: &usize| {
+            let candidate = self.last.model.causes[*i].candidate;
+            let slow = candidate.effect.outruns_motion();
+            intervals::may_be_absent(candidate, &values[*i])
+                && (slow || !intervals::told_together(&self.last, *i))
+        };
         let (unsure, sure): (Vec<usize>, Vec<usize>) =
             (0..self.standings.len()).filter(inside).partition(absent);
         [sure, unsure].map(|some| {

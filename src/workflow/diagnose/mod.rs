@@ -182,7 +182,6 @@ impl Diagnose {
         let mut diagnosis = found;
         let mut simulated = Vec::new();
         if self.simulate {
-            watch.tell("moving the twin again in the simulation", 0, 0);
             let twins = [twin, &mended];
             simulated = resimulated::add(&mut diagnosis, twins, &check, &check_samples, watch)?;
         }
