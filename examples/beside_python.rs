@@ -1,7 +1,7 @@
 //! The engine's own times beside which `python/bench/bench.py` stands: torque along 100 000 samples, and
-//! an identification of the recording that it wrote.
+//! an identification of the recording that it wrote. It runs this and prints both side by side.
 //!
-//! `cargo run --release --example beside_python -- RECORDING.csv`
+//! `cargo run --release --example beside_python -- RECORDING.csv` prints milliseconds as JSON.
 
 use std::time::Instant;
 
@@ -40,7 +40,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let whole = median_ms(21, || {
         std::hint::black_box(twin.torque(&Motion::new(&twin.robot, 0.008, &q, &qd, &qdd)));
     });
-    println!("Twin::torque, ({SAMPLES}, 6)            {whole:9.2} ms");
     let mut ws = Workspace::new(&twin.robot);
     let mut state = [[0.0; 6]; 4];
     let looped = median_ms(21, || {
@@ -57,15 +56,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             std::hint::black_box(tau);
         }
     });
-    println!("inverse_dynamics, one thread          {looped:9.2} ms");
-    if let Some(path) = std::env::args().nth(1) {
-        let fit = recording::read(path.as_ref(), None)?;
-        let how = Identify::default().methods([Method::Nlse]);
-        how.run(&twin, &fit, None, &())?;
-        let own = median_ms(41, || {
-            std::hint::black_box(how.run(&twin, &fit, None, &()).is_ok());
-        });
-        println!("Identify::run, 6 x {} samples        {own:9.2} ms", fit.time.len());
-    }
+    let path = std::env::args().nth(1).ok_or("name the recording that bench.py wrote")?;
+    let fit = recording::read(path.as_ref(), None)?;
+    let how = Identify::default().methods([Method::Nlse]);
+    how.run(&twin, &fit, None, &())?;
+    let identify = median_ms(41, || {
+        std::hint::black_box(how.run(&twin, &fit, None, &()).is_ok());
+    });
+    let all = serde_json::json!({ "torque": whole, "loop": looped, "identify": identify });
+    println!("{all}");
     Ok(())
 }

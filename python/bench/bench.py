@@ -1,18 +1,18 @@
-"""What the package costs beside the engine, and beside Pinocchio (pip install pin).
+"""What the package costs beside the engine, and beside Pinocchio.
 
-    python bench/bench.py [RECORDING.csv]     # in an environment with the wheel and pin
+    pip install ./python pin
+    cargo build --release --example beside_python
+    python python/bench/bench.py target/release/examples/beside_python > docs/python-cost.md
 
-The engine's own times for the same are printed by
-
-    cargo run --release --example beside_python -- RECORDING.csv
-
-with the recording that this script writes where it is given a name for it.
+The example is the engine without Python: the same calls on the same samples, written in Rust.
 """
 
 from __future__ import annotations
 
 import json
+import platform
 import statistics
+import subprocess
 import sys
 import tempfile
 import time
@@ -23,73 +23,85 @@ from typing import Any
 import numpy as np
 
 import armtwin as at
-from armtwin import _engine
-from armtwin._listen import Listener
 
 SAMPLES = 100_000
 
 
-def best(call: Callable[[], Any], repeats: int) -> float:
-    """Median of the wall-clock times, s."""
+def median_ms(call: Callable[[], Any], repeats: int) -> float:
+    """Wall-clock."""
     times = []
     for _ in range(repeats):
         begun = time.perf_counter()
         call()
-        times.append(time.perf_counter() - begun)
+        times.append(1e3 * (time.perf_counter() - begun))
     return statistics.median(times)
 
 
-def main() -> None:
-    twin = at.Twin.from_urdf("ur5", rotor_inertia=[1.1, 1.1, 1.1, 0.14, 0.14, 0.14])
-    rng = np.random.default_rng(1)
-    q, qd, qdd = rng.normal(size=(3, SAMPLES, 6))
-    print(f"twin.torque, ({SAMPLES}, 6)")
-    row = best(lambda: twin.torque(q, qd, qdd), 21)
-    fortran = [np.asfortranarray(a) for a in (q, qd, qdd)]
-    column = best(lambda: twin.torque(fortran[0], fortran[1], fortran[2]), 21)
-    print(f"  armtwin, rows contiguous       {1e3 * row:9.2f} ms")
-    print(f"  armtwin, columns contiguous    {1e3 * column:9.2f} ms")
-    try:
-        import pinocchio as pin
-    except ImportError:
-        print("  pinocchio is not installed")
-    else:
-        with tempfile.TemporaryDirectory() as folder:
-            urdf = Path(folder) / "arm.urdf"
-            urdf.write_text(twin._engine.to_urdf())
-            model = pin.buildModelFromUrdf(str(urdf))
-        data = model.createData()
-        model.armature[:] = twin.rotor_inertia
+def waves(rate: float) -> Any:
+    """What the example moves along, (T, 6)."""
+    return np.sin(rate * np.arange(SAMPLES)[:, None] + np.arange(6.0))
 
-        def loop() -> Any:
-            return np.array([pin.rnea(model, data, *row) for row in zip(q, qd, qdd)])
 
-        theirs = loop()
-        assert np.abs(theirs - twin.torque(q, qd, qdd)).max() < 1e-6
-        print(f"  pinocchio {pin.__version__}, Python loop  {1e3 * best(loop, 5):9.2f} ms")
+def pinocchio_ms(twin: at.Twin, motion: list[Any], expected: Any) -> tuple[str, float]:
+    import pinocchio as pin
 
+    with tempfile.TemporaryDirectory() as folder:
+        urdf = Path(folder) / "arm.urdf"
+        twin.export(urdf)
+        model = pin.buildModelFromUrdf(str(urdf))
+    data = model.createData()
+    model.armature[:] = twin.rotor_inertia
+
+    def loop() -> Any:
+        return np.array([pin.rnea(model, data, *row) for row in zip(*motion)])
+
+    assert np.abs(loop() - expected).max() < 1e-6
+    return pin.__version__, median_ms(loop, 5)
+
+
+def recorded(twin: at.Twin) -> at.Recording:
+    """Six joints, 6000 samples."""
     sim = at.simulate(
         twin,
         at.motions.mixed(seconds=48, seed=1),
         effects={"coulomb": {"coulomb": 5.0}, "viscous": {"viscous": 8.0}},
         snr_db=30,
     )
-    recording = at.Recording(sim.fit.t, sim.fit.q, qd=sim.fit["qd"], current=sim.fit["current"])
-    print(f"at.identify, {recording.joints} x {len(recording)} samples, least squares")
-    whole = best(lambda: at.identify(twin, recording, methods=["nlse"]), 41)
-    options = json.dumps(
-        {
-            "terms": [], "with": [], "methods": ["nlse"], "direct_cost": False, "reduce": False, "bounds": {},
-            "seed": 1, "total_mass": None, "payload": None, "payload_centre": None,
-            "taken": {"signals": {}, "every_row": False, "force": False},
-        }
-    )  # fmt: skip
-    args = (twin._engine, recording._engine, None, None, options, Listener(None))
-    inner = best(lambda: _engine.identify(*args), 41)
-    print(f"  at.identify                    {1e3 * whole:9.2f} ms")
-    print(f"  _engine.identify               {1e3 * inner:9.2f} ms")
-    if len(sys.argv) > 1:
-        recording.save(sys.argv[1])
+    return at.Recording(sim.fit.t[:6000], sim.fit.q[:6000], qd=sim.fit["qd"][:6000], current=sim.fit["current"][:6000])
+
+
+def main() -> None:
+    example = sys.argv[1]
+    twin = at.Twin.from_urdf("ur5", rotor_inertia=[1.1, 1.1, 1.1, 0.14, 0.14, 0.14])
+    recording = recorded(twin)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.csv"
+        recording.save(path)
+        # As the engine reads it: the same numbers on both sides.
+        recording = at.read(path)
+        engine = json.loads(subprocess.run([example, path], capture_output=True, text=True, check=True).stdout)
+    motion = [waves(rate) for rate in (0.7, 1.3, 2.9)]
+    rows = median_ms(lambda: twin.torque(*motion), 21)
+    columns = [np.asfortranarray(a) for a in motion]
+    turned = median_ms(lambda: twin.torque(*columns), 21)
+    version, theirs = pinocchio_ms(twin, motion, twin.torque(*motion))
+    identify = median_ms(lambda: at.identify(twin, recording, methods=["nlse"]), 41)
+    beside = engine["torque"]
+    print("# What Python costs\n")
+    print(f"Printed by `python/bench/bench.py`, armtwin {at.__version__}, Python {platform.python_version()}, numpy")
+    print(f"{np.__version__}; medians of wall-clock times.\n")
+    print(f"| torque along {SAMPLES} samples of six joints | ms | beside the engine |")
+    print("| --- | ---: | ---: |")
+    print(f"| Rust, `Twin::torque` | {beside:.1f} | 1.00 |")
+    print(f"| Rust, a loop over `inverse_dynamics` on one thread | {engine['loop']:.1f} | {engine['loop'] / beside:.2f} |")
+    print(f"| Python, `twin.torque`, rows contiguous | {rows:.1f} | {rows / beside:.2f} |")
+    print(f"| Python, `twin.torque`, columns contiguous | {turned:.1f} | {turned / beside:.2f} |")
+    print(f"| Python, a loop over Pinocchio {version}'s `rnea` | {theirs:.1f} | {theirs / beside:.2f} |")
+    print(f"\n| identification of 6 x {len(recording)} samples, least squares | ms |")
+    print("| --- | ---: |")
+    print(f"| Rust, `Identify::run` | {engine['identify']:.2f} |")
+    print(f"| Python, `at.identify` | {identify:.2f} |")
+    print(f"| what Python adds | {identify - engine['identify']:.2f} |")
 
 
 if __name__ == "__main__":

@@ -9,6 +9,11 @@ use crate::errors::InputError;
 /// Float64, `(T, n)`, any strides.
 pub type Matrix<'py> = PyReadonlyArray2<'py, f64>;
 
+/// (T,), handed to Python.
+pub type Column<'py> = Bound<'py, PyArray1<f64>>;
+/// (n, T), handed to Python.
+pub type Rows<'py> = Bound<'py, PyArray2<f64>>;
+
 /// The samples of every joint; one copy.
 pub fn series(array: &Matrix<'_>) -> JointSeries {
     let view = array.as_array();
@@ -40,7 +45,7 @@ pub fn motion<const N: usize>(
 }
 
 /// `(n, T)`, without a copy: the transposed of what people see.
-pub fn rows<'py>(py: Python<'py>, series: JointSeries) -> PyResult<Bound<'py, PyArray2<f64>>> {
+pub fn rows<'py>(py: Python<'py>, series: JointSeries) -> PyResult<Rows<'py>> {
     let shape = [series.joints(), series.samples()];
     PyArray1::from_vec(py, series.into_values()).reshape(shape)
 }

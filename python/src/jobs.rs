@@ -1,129 +1,67 @@
 //! Identification and diagnosis.
 
-use std::collections::BTreeMap;
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use armtwin::Recording as Engine;
 use armtwin::diagnosis::{JointTraces, TWIN};
 use armtwin::files::write_whole;
-use armtwin::identification::{Method, Search};
 use armtwin::viewer::write_rrd;
-use armtwin::workflow::{self, Diagnose, Identify, KnownLoad, Reading, SignalOptions};
+use armtwin::workflow::{self, Arm, Diagnose, Identify, KnownLoad, SignalOptions, WorkflowError};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
-use crate::arrays::rows;
+use crate::arrays::{Column, Rows, rows};
 use crate::errors::{InputError, detached, of_job, wrong};
 use crate::recording::Recording;
 use crate::twin::Twin;
 use crate::work;
 
-fn parsed<'a, T: Deserialize<'a>>(json: &'a str) -> PyResult<T> {
-    serde_json::from_str(json).map_err(wrong)
+fn parsed<T: DeserializeOwned>(json: &str) -> PyResult<T> {
+    // By way of a value, whose errors speak of no line that nobody wrote.
+    let value: serde_json::Value = serde_json::from_str(json).map_err(wrong)?;
+    serde_json::from_value(value).map_err(wrong)
 }
 
 fn text(document: &impl Serialize) -> PyResult<String> {
     serde_json::to_string(document).map_err(wrong)
 }
 
-/// How recordings are taken and conditioned, in every job.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Taken {
-    signals: SignalOptions,
-    every_row: bool,
-    force: bool,
-}
-
-impl Taken {
-    fn reading(&self) -> Reading {
-        Reading { every_row: self.every_row, force: self.force }
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct IdentifyOptions {
-    terms: Vec<String>,
-    with: Vec<String>,
-    methods: Vec<String>,
-    direct_cost: bool,
-    reduce: bool,
-    bounds: BTreeMap<String, [f64; 2]>,
-    seed: u64,
-    total_mass: Option<f64>,
-    payload: Option<f64>,
-    payload_centre: Option<[f64; 3]>,
-    taken: Taken,
-}
-
-impl IdentifyOptions {
-    fn wanted(&self) -> PyResult<Identify> {
-        let method = |name: &String| match name.as_str() {
-            "pso" => Ok(Method::Pso),
-            "nlse" => Ok(Method::Nlse),
-            "mcmc" => Ok(Method::Mcmc),
-            other => {
-                Err(InputError::new_err(format!("method {other}: choose from pso, nlse, mcmc")))
-            }
-        };
-        let methods: Vec<Method> = self.methods.iter().map(method).collect::<PyResult<_>>()?;
-        let cost = if self.direct_cost { Search::Direct } else { Search::Quadratic };
-        let bounds = self.bounds.iter().map(|(name, range)| (name.clone(), *range)).collect();
-        let wanted = Identify { bounds, ..Identify::default() };
-        Ok(wanted
-            .terms(self.terms.clone())
-            .with(self.with.clone())
-            .methods(methods)
-            .cost(cost)
-            .seed(self.seed)
-            .reduce(self.reduce)
-            .total_mass(self.total_mass)
-            .signals(self.taken.signals.clone())
-            .reading(self.taken.reading()))
-    }
-}
+/// A recording of an arm that carries a load of so many kg, its centre (m) in the flange's frame.
+type Loaded<'py> = (PyRef<'py, Recording>, f64, Option<[f64; 3]>);
 
 /// A result of [`identify`].
 #[pyclass(frozen, module = "armtwin._engine")]
 pub struct Identified(workflow::Identified);
 
+/// `options` are those of [`Identify`] as JSON.
 #[pyfunction]
 #[pyo3(signature = (twin, fit, check, loaded, options, listener))]
 pub fn identify(
     twin: &Twin,
     fit: &Recording,
     check: Option<&Recording>,
-    loaded: Option<&Recording>,
+    loaded: Option<Loaded<'_>>,
     options: &str,
     listener: &Bound<'_, PyAny>,
 ) -> PyResult<Identified> {
-    let options: IdentifyOptions = parsed(options)?;
-    let wanted = options.wanted()?;
+    let wanted: Identify = parsed(options)?;
     wanted.check().map_err(of_job)?;
-    let load =
-        options.payload.map(|mass_kg| KnownLoad { mass_kg, centre_m: options.payload_centre });
-    let [fit, check, loaded] =
-        [Some(fit), check, loaded].map(|recording| recording.map(|r| Arc::clone(&r.0)));
-    let arm = Arc::clone(&twin.0);
+    let mut arm = Arm::clone(&twin.0);
+    arm.scaled = loaded.is_none();
+    let loaded = loaded
+        .map(|(run, mass_kg, centre_m)| (Arc::clone(&run.0), KnownLoad { mass_kg, centre_m }));
+    let (fit, check) = (&fit.0, check.map(|r| &*r.0));
     work::run(listener, move |watch| {
-        let mut arm = armtwin::workflow::Arm::clone(&arm);
-        arm.scaled = loaded.is_none();
-        let floor_hz = wanted.signals.floor_hz();
-        let take = |recording: &Arc<armtwin::Recording>| {
-            let borrowed = std::borrow::Cow::Owned(armtwin::Recording::clone(recording));
-            wanted.reading.take(borrowed, &arm, floor_hz, watch)
+        let (fit, check) = wanted.reading.both(&arm, fit, check, watch)?;
+        let take = |(run, load): &(Arc<Engine>, KnownLoad)| -> Result<_, WorkflowError> {
+            Ok((wanted.reading.take(Cow::Owned(Engine::clone(run)), &arm, watch)?, *load))
         };
-        match (&fit, &loaded, load) {
-            (Some(fit), Some(run), Some(load)) => {
-                let loaded = Some((take(run)?, load));
-                let check = check.as_ref().map(take).transpose()?;
-                wanted.on(&arm, take(fit)?, check, loaded, watch)
-            }
-            (Some(fit), ..) => wanted.run(&arm, fit, check.as_deref(), watch),
-            (None, ..) => Err(workflow::WorkflowError::Asked("give a recording".into())),
-        }
+        let loaded = loaded.as_ref().map(take).transpose()?;
+        wanted.on(&arm, fit, check, loaded, watch)
     })
     .map(Identified)
 }
@@ -145,21 +83,11 @@ impl Identified {
     }
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DiagnoseOptions {
-    without: Vec<String>,
-    seed: u64,
-    mass_error: f64,
-    centre_error_m: f64,
-    simulate: bool,
-    taken: Taken,
-}
-
 /// A result of [`diagnose`].
 #[pyclass(frozen, module = "armtwin._engine")]
 pub struct Diagnosed(workflow::Diagnosed);
 
+/// `options` are those of [`Diagnose`] as JSON.
 #[pyfunction]
 #[pyo3(signature = (twin, fit, check, options, listener))]
 pub fn diagnose(
@@ -169,18 +97,10 @@ pub fn diagnose(
     options: &str,
     listener: &Bound<'_, PyAny>,
 ) -> PyResult<Diagnosed> {
-    let options: DiagnoseOptions = parsed(options)?;
-    let wanted = Diagnose::default()
-        .without(options.without)
-        .seed(options.seed)
-        .mass_error(options.mass_error)
-        .centre_error_m(options.centre_error_m)
-        .simulated(options.simulate)
-        .reading(options.taken.reading())
-        .signals(options.taken.signals);
-    let (arm, fit, check) = (&twin.0, &fit.0, check.map(|r| Arc::clone(&r.0)));
+    let wanted: Diagnose = parsed(options)?;
+    let (arm, fit, check) = (&*twin.0, &fit.0, check.map(|r| &*r.0));
     work::run(listener, move |watch| {
-        let mut done = wanted.run(&**arm, fit, check.as_deref(), watch)?;
+        let mut done = wanted.run(arm, fit, check, watch)?;
         let next = &mut done.diagnosis.next_experiment;
         *next = next.replace(TWIN, " --twin twin.toml");
         Ok(done)
@@ -232,27 +152,21 @@ impl Diagnosed {
     }
 }
 
-type Prediction<'py> = (
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<bool>>,
-);
-
 /// Time (T,), (n, T) of predicted and recorded torque (N.m), and where joints slide.
 #[pyfunction]
+#[allow(clippy::type_complexity)]
 pub fn predict<'py>(
     py: Python<'py>,
     twin: &Twin,
     recording: &Recording,
     signals: &str,
-) -> PyResult<Prediction<'py>> {
+) -> PyResult<(Column<'py>, [Rows<'py>; 2], Bound<'py, PyArray2<bool>>)> {
     let signals: SignalOptions = parsed(signals)?;
     let (twin, recording) = (&twin.0.twin, &recording.0);
     let found = detached(py, || workflow::predict(twin, recording, &signals).map_err(of_job))?;
     let slides = PyArray2::from_vec2(py, &found.slides).map_err(wrong)?;
-    let time = PyArray1::from_vec(py, found.time);
-    Ok((time, rows(py, found.torque)?, rows(py, found.measured)?, slides))
+    let torque = [rows(py, found.torque)?, rows(py, found.measured)?];
+    Ok((PyArray1::from_vec(py, found.time), torque, slides))
 }
 
 /// Writes a text under `path`, whole or not at all, over nothing that somebody else wrote.

@@ -8,11 +8,11 @@ use armtwin::effects::CATALOGUE;
 use armtwin::motion::Settings;
 use armtwin::twin::PerJoint;
 use armtwin::workflow::{Simulate, WorkflowError};
-use numpy::{PyArray1, PyArray2};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::arrays::rows;
+use crate::arrays::{Column, Rows, rows};
 use crate::errors::{InputError, detached, wrong};
 use crate::recording::Recording;
 use crate::twin::Twin;
@@ -50,21 +50,14 @@ pub fn simulate(
     Ok((Recording::of(done.fit.recording), Recording::of(done.check.recording), truth))
 }
 
-type Sampled<'py> = (
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-);
-
-/// Time (T,) and (n, T) of position, velocity and acceleration of a motion of this arm, every `dt` s.
+/// Time (T,), and (n, T) of position, velocity and acceleration of a motion of this arm, every `dt` s.
 #[pyfunction]
 pub fn trajectory<'py>(
     py: Python<'py>,
     twin: &Twin,
     settings: &str,
     dt: f64,
-) -> PyResult<Sampled<'py>> {
+) -> PyResult<(Column<'py>, [Rows<'py>; 3])> {
     let settings: Settings = serde_json::from_str(settings).map_err(wrong)?;
     if !(dt > 0.0 && dt.is_finite()) {
         return Err(InputError::new_err(format!("dt = {dt}: give seconds above 0")));
@@ -72,8 +65,8 @@ pub fn trajectory<'py>(
     let robot = &twin.0.twin.robot;
     let sampled = detached(py, || Ok(settings.trajectory(robot).map_err(wrong)?.sampled(dt)))?;
     let time = (0..sampled.q.samples()).map(|k| k as f64 * dt).collect();
-    let time = PyArray1::from_vec(py, time);
-    Ok((time, rows(py, sampled.q)?, rows(py, sampled.qd)?, rows(py, sampled.qdd)?))
+    let motion = [rows(py, sampled.q)?, rows(py, sampled.qd)?, rows(py, sampled.qdd)?];
+    Ok((PyArray1::from_vec(py, time), motion))
 }
 
 /// The catalogue as JSON.

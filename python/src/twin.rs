@@ -7,14 +7,18 @@ use armtwin::effects::Motion;
 use armtwin::export::{Target, export};
 use armtwin::files::write_whole;
 use armtwin::robot::{self, inverse_dynamics_series, mass_matrix_series, regressor_series, urdf};
+use armtwin::series::JointSeries;
 use armtwin::twin::Twin as Engine;
 use armtwin::workflow::{Arm, Said};
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::arrays::{Matrix, motion, rows};
+use crate::arrays::{Matrix, Rows, motion, rows};
 use crate::errors::{InputError, detached, wrong};
+
+/// q (rad), qd (rad/s) and qdd (rad/s2), (T, n) each.
+type Along<'py> = [Matrix<'py>; 3];
 
 /// What is known about an arm.
 #[pyclass(frozen, module = "armtwin._engine")]
@@ -31,6 +35,10 @@ impl Twin {
 
     fn robot(&self) -> &robot::Robot {
         &self.0.twin.robot
+    }
+
+    fn motion(&self, [q, qd, qdd]: &Along<'_>) -> PyResult<[JointSeries; 3]> {
+        motion(self.robot().dof(), [("q", q), ("qd", qd), ("qdd", qdd)])
     }
 }
 
@@ -154,15 +162,8 @@ impl Twin {
     }
 
     /// (n, T): what the drive must supply, N.m.
-    fn torque<'py>(
-        &self,
-        py: Python<'py>,
-        q: Matrix<'py>,
-        qd: Matrix<'py>,
-        qdd: Matrix<'py>,
-        dt: f64,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let [q, qd, qdd] = motion(self.dof(), [("q", &q), ("qd", &qd), ("qdd", &qdd)])?;
+    fn torque<'py>(&self, py: Python<'py>, along: Along<'py>, dt: f64) -> PyResult<Rows<'py>> {
+        let [q, qd, qdd] = self.motion(&along)?;
         let twin = &self.0.twin;
         let torque =
             detached(py, || Ok(twin.torque(&Motion::new(&twin.robot, dt, &q, &qd, &qdd))))?;
@@ -170,14 +171,8 @@ impl Twin {
     }
 
     /// (n, T): M(q) qdd + C(q, qd) qd + g(q) of the bodies alone, N.m.
-    fn inverse_dynamics<'py>(
-        &self,
-        py: Python<'py>,
-        q: Matrix<'py>,
-        qd: Matrix<'py>,
-        qdd: Matrix<'py>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let [q, qd, qdd] = motion(self.dof(), [("q", &q), ("qd", &qd), ("qdd", &qdd)])?;
+    fn inverse_dynamics<'py>(&self, py: Python<'py>, along: Along<'py>) -> PyResult<Rows<'py>> {
+        let [q, qd, qdd] = self.motion(&along)?;
         let robot = self.robot();
         rows(py, detached(py, || Ok(inverse_dynamics_series(robot, &q, &qd, &qdd)))?)
     }
@@ -199,12 +194,9 @@ impl Twin {
     fn regressor<'py>(
         &self,
         py: Python<'py>,
-        q: Matrix<'py>,
-        qd: Matrix<'py>,
-        qdd: Matrix<'py>,
+        along: Along<'py>,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let n = self.dof();
-        let [q, qd, qdd] = motion(n, [("q", &q), ("qd", &qd), ("qdd", &qdd)])?;
+        let (n, [q, qd, qdd]) = (self.dof(), self.motion(&along)?);
         let robot = self.robot();
         let values = detached(py, || Ok(regressor_series(robot, &q, &qd, &qdd)))?;
         PyArray1::from_vec(py, values).reshape([q.samples(), n, 10 * n])

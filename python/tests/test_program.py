@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -34,6 +35,11 @@ payload_moment_x = 0
 payload_moment_y = 0
 payload_moment_z = 0
 """
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+#: Recordings of real arms, which are no part of the repository.
+SHARED = Path(os.environ.get("ARMTWIN_SHARED", REPOSITORY.parent / "shared"))
+UR10E = SHARED / "recordings" / "shamilmamedov-dynamic_calibration" / "identification_data"
 
 TWIN = """
 robot = "ur5"
@@ -110,3 +116,23 @@ def test_diagnoses_are_the_same(folder: Path) -> None:
     fit, check = (at.read(folder / "run" / f"{name}.csv") for name in ("fit", "check"))
     found = at.diagnose(at.Twin.load(folder / "twin.toml"), fit, check=check)
     assert without_time(found.to_dict()) == loaded(folder / "dx.json")
+
+
+@pytest.mark.skipif(not UR10E.is_dir(), reason=f"recordings of a real arm are not here: {UR10E}")
+def test_jobs_on_a_real_arm_are_the_same(tmp_path: Path) -> None:
+    fit, check = (UR10E / f"ur-20_{name}.csv.gz" for name in ("02_19_14harm50sec", "01_31-unload"))
+    columns = REPOSITORY / "scenarios" / "columns" / "ur10e_shamilmamedov.toml"
+    nominal = REPOSITORY / "scenarios" / "twins" / "ur10e.toml"
+    more = ["--check", check, "--twin", nominal, "--columns", columns]
+    for words in (
+        ["identify", fit, *more, "--with", "payload", "--json", "fit.json"],
+        ["diagnose", "--fit", fit, *more, "--json", "dx.json"],
+    ):
+        run = program(*map(str, words), at_folder=tmp_path)
+        assert run.returncode == 0, run.stderr
+    one, other = (at.read(path, columns=columns) for path in (fit, check))
+    twin = at.Twin.load(nominal)
+    found = at.identify(twin, one, check=other, include=["payload"])
+    assert without_time(found.to_dict()) == loaded(tmp_path / "fit.json")
+    diagnosed = at.diagnose(twin, one, check=other)
+    assert diagnosed.causes and without_time(diagnosed.to_dict()) == loaded(tmp_path / "dx.json")

@@ -50,11 +50,6 @@ enum Source {
 }
 
 impl ConditioningArgs {
-    /// The least rate of a recording that what was given can do with, Hz.
-    pub fn floor_hz(&self) -> f64 {
-        self.options().floor_hz()
-    }
-
     pub fn options(&self) -> SignalOptions {
         SignalOptions {
             rate_hz: self.rate,

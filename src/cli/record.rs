@@ -23,11 +23,11 @@ use crate::recording::{JOURNALED, Journal, RecordingError, journal_of};
   armtwin record --from rtde://192.168.0.10 --rate 500 --reconnect -o day.parquet
   armtwin record --from bag.mcap --follow -o run.csv
 
-Rows go to run.parquet.part.csv as they come, which is a recording at any moment, also after the
-program was killed or the power failed (all but the last second of it): read it as it is, or
-`armtwin convert` it. At the end, by --seconds or Ctrl-C, it becomes run.parquet. Before a recording has more
-rows than armtwin reads (83 minutes at 1 kHz with few columns, 53 at 500 Hz with the usual ones) it goes on in
-run.2.parquet. Gaps in the controller's clock stay gaps.")]
+Rows go to run.parquet.part.csv as they come, which is a recording at any moment, also after the program was killed \
+or the power failed (all but the last second of it): read it as it is, or `armtwin convert` it. At the end, by \
+--seconds or Ctrl-C, it becomes run.parquet. Before a recording has more rows than armtwin reads (83 minutes at 1 kHz \
+with few columns, 53 at 500 Hz with the usual ones) it goes on in run.2.parquet. Gaps in the controller's clock stay \
+gaps.")]
 pub struct Args {
     #[command(flatten)]
     source: SourceArgs,
@@ -118,6 +118,8 @@ struct Making<'a> {
     args: &'a Args,
     names: Vec<String>,
     journal: Option<Journal>,
+    /// Rows that a file takes.
+    most: u64,
     /// Of files that are full, and are being turned into what was asked for.
     finishing: Vec<std::thread::JoinHandle<Result<PathBuf, RecordingError>>>,
     parts: u64,
@@ -143,6 +145,7 @@ impl<'a> Making<'a> {
             args,
             names: names.to_vec(),
             journal: None,
+            most: most_rows(columns.len()),
             finishing: Vec::new(),
             parts: 0,
             rows: 0,
@@ -176,8 +179,7 @@ impl<'a> Making<'a> {
     }
 
     fn is_full(&self) -> bool {
-        let rows = self.journal.as_ref().map_or(0, Journal::rows);
-        rows >= ROWS.most || rows * (self.names.len() as u64 + 1) >= NUMBERS.most - 1_000_000
+        self.journal.as_ref().map_or(0, Journal::rows) >= self.most
     }
 
     /// Until the source ends, time is up or somebody stops it.
@@ -308,6 +310,11 @@ impl<'a> Making<'a> {
     }
 }
 
+/// As many as every command reads.
+fn most_rows(columns: usize) -> u64 {
+    ROWS.most.min(NUMBERS.most / columns as u64)
+}
+
 /// `run.parquet`, `run.2.parquet`, ...
 fn numbered(path: &Path, part: u64) -> PathBuf {
     if part == 1 {
@@ -339,7 +346,44 @@ impl Done {
 
 #[cfg(test)]
 mod tests {
+    use clap::Parser;
+
     use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    #[test]
+    fn a_full_file_is_followed_by_the_next_without_a_row_lost() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("run.parquet");
+        let line = ["record", "--from", "rtde://arm", "-o", out.to_str().unwrap()];
+        let args = Line::parse_from(line).args;
+        let mut making = Making::begin(&args, &["timestamp".into(), "actual_q_0".into()]).unwrap();
+        assert_eq!(making.most, ROWS.most);
+        making.most = 400;
+        let rows = (0..1000).map(|k| [k as f64 / 125.0, k as f64]);
+        rows.clone().for_each(|row| making.add(&row).unwrap());
+        making.finish_file().unwrap();
+        let files = making.finishing.into_iter().map(|work| work.join().unwrap().unwrap());
+        let read = |path: PathBuf| crate::recording::read(&path, None).unwrap();
+        let parts: Vec<_> = files.map(read).collect();
+        let lengths: Vec<usize> = parts.iter().map(|part| part.time.len()).collect();
+        assert_eq!(lengths, [400, 400, 200]);
+        let all = parts.iter().flat_map(|part| part.channel("actual_q_0").unwrap().to_vec());
+        assert!(all.eq(rows.map(|row| row[1])));
+    }
+
+    #[test]
+    fn a_file_takes_no_more_than_is_read() {
+        for columns in [2, 44, 400] {
+            let numbers = most_rows(columns) * columns as u64;
+            assert!(ROWS.allow(most_rows(columns)).is_ok() && NUMBERS.allow(numbers).is_ok());
+        }
+    }
 
     #[test]
     fn further_files_are_numbered_before_the_extension() {

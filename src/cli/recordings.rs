@@ -9,7 +9,7 @@ use anyhow::{anyhow, bail};
 use super::twin::Arm;
 use crate::follow::Watch;
 use crate::recording::{self, FEWEST_SAMPLES, Recording};
-use crate::workflow::{Prepared, Reading, WorkflowError};
+use crate::workflow::{Prepared, Reading, SignalOptions, WorkflowError};
 
 /// What every command that takes a recording takes with it.
 #[derive(clap::Args, Clone, Default)]
@@ -70,7 +70,7 @@ impl ReadArgs {
 }
 
 impl WorkArgs {
-    /// Reads a recording of `arm`; `floor_hz` is the least rate that will do.
+    /// Reads a recording of `arm`, to be conditioned by `signals`.
     ///
     /// # Errors
     /// If it cannot be read, is of another number of joints, or contradicts itself or the arm and is
@@ -79,27 +79,27 @@ impl WorkArgs {
         &self,
         path: &Path,
         arm: &Arm,
-        floor_hz: f64,
+        signals: SignalOptions,
         watch: &dyn Watch,
     ) -> anyhow::Result<Prepared<'static>> {
         let recording = self.read.read(path)?;
-        take(self.reading(), recording, arm, floor_hz, watch)
+        take(&self.reading(signals), recording, arm, watch)
     }
 
-    fn reading(&self) -> Reading {
-        Reading { every_row: self.every_row, force: self.force }
+    /// How its recordings are taken.
+    pub fn reading(&self, signals: SignalOptions) -> Reading {
+        Reading { signals, every_row: self.every_row, force: self.force }
     }
 }
 
 /// Holds a recording against `arm`, with a word on how to go on where it contradicts itself.
 pub fn take(
-    reading: Reading,
+    reading: &Reading,
     recording: Recording,
     arm: &Arm,
-    floor_hz: f64,
     watch: &dyn Watch,
 ) -> anyhow::Result<Prepared<'static>> {
-    let taken = reading.take(Cow::Owned(recording), arm, floor_hz, watch);
+    let taken = reading.take(Cow::Owned(recording), arm, watch);
     taken.map_err(|error| match error {
         WorkflowError::Doubted { .. } => {
             anyhow!("{error}\n(--force goes on with it as it is; `armtwin inspect` shows more)")

@@ -20,12 +20,12 @@ use crate::twin::Twin;
   armtwin serve --scenario scenarios/ur5_friction.toml --rate 500 --at 60s load_friction.joint2=0.1
   armtwin serve --twin twin.toml --scenario scenarios/ur5_clean.toml --port 30005
 
-Protocols 1 and 2, all quantities with their types, text messages, start and pause. The first time through,
-the values on the wire are those of the fit.csv that `armtwin simulate` writes of the scenario, to the last
-bit; then the arm goes back to where it began and does it again, with fresh noise. What a simulated arm has
-not (inputs and outputs, safety) reads as of a controller that is well; registers read back what was written.
---at switches an effect on while clients are connected: EFFECT[.PARAMETER][.jointN]=VALUE, the first parameter
-where none is named, the others typical.")]
+Protocols 1 and 2, all quantities with their types, text messages, start and pause. The first time through, the \
+values on the wire are those of the fit.csv that `armtwin simulate` writes of the scenario, to the last bit; then the \
+arm goes back to where it began and does it again, with fresh noise. What a simulated arm has not (inputs and \
+outputs, safety) reads as of a controller that is well; registers read back what was written, and move nothing. \
+--at switches an effect on while clients are connected: EFFECT[.PARAMETER][.jointN]=VALUE, the first parameter where \
+none is named, the others typical.")]
 pub struct Args {
     /// What the arm does, and what is hidden in it (TOML; copy one from scenarios/)
     #[arg(long, value_name = "SCENARIO")]
@@ -139,9 +139,7 @@ fn say(event: &Served) {
         Served::Came(peer) => println!("{peer} connected"),
         Served::Went(peer, None) => println!("{peer} went"),
         Served::Went(peer, Some(why)) => println!("{peer} was dropped: {why}"),
-        Served::Heard(peer, Heard::Text(text)) => {
-            println!("{peer} {}: {} {}", text.level.word(), text.source, text.message);
-        }
+        Served::Heard(peer, Heard::Text(text)) => println!("{peer}: {text}"),
         Served::Heard(peer, Heard::Started { quantities, rate_hz }) => {
             println!("{peer} takes {quantities} quantities at {rate_hz} Hz");
         }

@@ -26,7 +26,8 @@ pub trait Residuals {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// Relative reduction of the sum of squares, measured and predicted, below which to stop.
     pub cost_tolerance: f64,

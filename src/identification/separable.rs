@@ -12,7 +12,8 @@ use super::quadratic::QuadraticCost;
 use crate::regression::bounds::Bounds;
 use crate::regression::brent;
 
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// Stribeck velocities tried, evenly in ln w_s.
     pub grid: usize,

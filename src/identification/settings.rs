@@ -2,8 +2,8 @@
 
 use super::{adaptive_metropolis, pso, separable};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case", try_from = "String")]
 pub enum Method {
     /// The paper's swarm.
     Pso,
@@ -11,6 +11,17 @@ pub enum Method {
     Nlse,
     /// Posterior by Markov chains.
     Mcmc,
+}
+
+impl TryFrom<String> for Method {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        let all = [Self::Pso, Self::Nlse, Self::Mcmc];
+        let found = all.into_iter().find(|method| method.name() == name);
+        found
+            .ok_or_else(|| format!("method {name}: choose from {}", all.map(Self::name).join(", ")))
+    }
 }
 
 impl Method {
@@ -24,7 +35,7 @@ impl Method {
 }
 
 /// How the swarm's cost is evaluated; the same number either way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Search {
     /// Interpolated quadratic form ([`super::quadratic::QuadraticCost`]).
@@ -34,7 +45,8 @@ pub enum Search {
     Direct,
 }
 
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Settings {
     pub methods: Vec<Method>,
     /// Joint j's swarm and chains are seeded with `seed` + 2^32 j.

@@ -5,13 +5,31 @@ use std::io;
 use crate::recording::RecordingError;
 use crate::rtde::RtdeError;
 
+const WHERE: &str = "controllers have RTDE at port 30004, those of the e-series once it is enabled \
+                     (Settings, Security, Services)";
+
+/// What a person can do about it.
+fn unanswered(source: &io::Error) -> String {
+    match source.kind() {
+        io::ErrorKind::ConnectionRefused => {
+            format!("the machine is there, but nothing listens at this port: {WHERE}")
+        }
+        _ => format!("{source}; check the address, the cable, and that the arm is switched on"),
+    }
+}
+
 #[derive(Debug, thiserror::Error)]
 pub enum LiveError {
     #[error(
-        "{address}: no controller answers there ({source}); check the address, that the arm is switched on, \
-         and that its RTDE service is enabled (on e-series: Settings, Security, Services)"
+        "{address}: no machine of that name is known ({source}); give the address that the arm shows of itself, \
+         for example rtde://192.168.0.10"
     )]
+    Name { address: String, source: io::Error },
+    #[error("{address}: no controller answers there: {}", unanswered(source))]
     Connect { address: String, source: io::Error },
+    /// What answered ended the talk before it said anything of RTDE.
+    #[error("{0}, and nothing of RTDE was heard: {WHERE}")]
+    Stranger(Box<LiveError>),
     #[error("{address}: {source}")]
     Talk { address: String, source: RtdeError },
     #[error("{address}: the connection was closed by the other side")]

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::{Feed, LiveError, News, Outbox};
 use crate::limits::{LINE, TooMuch};
-use crate::recording::{ColumnMap, Recording, RecordingError, read_by};
+use crate::recording::{ColumnMap, Recording, RecordingError, read_unfinished};
 
 /// How fast a recording is played.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,8 @@ pub enum Pace {
 const LOOKS: Duration = Duration::from_millis(100);
 /// Share of its time that reading a whole file again may take, where only that tells what is new.
 const READS: u32 = 10;
+/// How long a file that cannot be read may stay as it is until that is told: its writer may be in a record.
+const BEGINS: Duration = Duration::from_secs(2);
 
 /// Plays a recording.
 ///
@@ -47,7 +49,7 @@ pub fn replay(recording: Recording, pace: Pace) -> Result<Feed, LiveError> {
     })
 }
 
-fn columns(recording: &Recording) -> Vec<String> {
+pub(super) fn columns(recording: &Recording) -> Vec<String> {
     let names = recording.channels.iter().map(|c| c.name.clone());
     std::iter::once("timestamp".to_string()).chain(names).collect()
 }
@@ -180,28 +182,39 @@ impl Lines {
 fn follow_whole(path: &Path, map: Option<&ColumnMap>, out: &Outbox) -> Result<(), LiveError> {
     let mut seen: Option<(f64, Vec<String>)> = None;
     let mut length = None;
+    // Why it could not be read, while it may still become what can be.
+    let mut unreadable: Option<(RecordingError, Instant)> = None;
     while !out.stopped() {
         let now = std::fs::metadata(path).ok().map(|m| (m.len(), m.modified().ok()));
         if now == length && now.is_some() {
-            wait(out, LOOKS);
+            match unreadable.take_if(|(_, since)| seen.is_none() && since.elapsed() > BEGINS) {
+                Some((error, _)) => return Err(error.into()),
+                None => wait(out, LOOKS),
+            }
             continue;
         }
         let begun = Instant::now();
-        let recording = match (read_by(path, map), &seen) {
-            (Ok(recording), _) => recording,
-            // Half a record may be there; what was read once can be read again.
-            (Err(_), Some(_)) => {
-                wait(out, LOOKS * READS);
+        length = now;
+        let recording = match read_unfinished(path, map) {
+            Ok(Some(recording)) => recording,
+            Ok(None) => continue,
+            // Half a record may be there.
+            Err(error) => {
+                unreadable = Some((error, begun));
+                wait(out, LOOKS);
                 continue;
             }
-            (Err(error), None) => return Err(error.into()),
         };
-        length = now;
         let names = columns(&recording);
         match &seen {
             None => out.tell(News::Columns(names.clone())),
             Some((_, before)) if *before != names => {
-                return Err(LiveError::Follow(format!("{}: its columns changed", path.display())));
+                return Err(LiveError::Follow(format!(
+                    "{}: its columns were {}, and are {} now; a column map (--columns) says what they are",
+                    path.display(),
+                    before.join(", "),
+                    names.join(", ")
+                )));
             }
             Some(_) => {}
         }

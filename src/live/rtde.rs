@@ -79,9 +79,11 @@ impl RtdeSource {
     }
 
     fn connect(&self) -> Result<TcpStream, LiveError> {
-        let wrong = |source| LiveError::Connect { address: self.address.clone(), source };
+        let address = || self.address.clone();
+        let named = |source| LiveError::Name { address: address(), source };
+        let wrong = |source| LiveError::Connect { address: address(), source };
         let mut last = std::io::Error::from(ErrorKind::AddrNotAvailable);
-        for address in self.address.to_socket_addrs().map_err(wrong)? {
+        for address in self.address.to_socket_addrs().map_err(named)? {
             match TcpStream::connect_timeout(&address, ANSWERS_WITHIN) {
                 Ok(socket) => {
                     socket.set_nodelay(true).map_err(wrong)?;
@@ -97,9 +99,23 @@ impl RtdeSource {
 
     /// One connection, until somebody stops it or it breaks.
     fn talk(&self, out: &Outbox, talks: &mut Talks) -> Result<(), LiveError> {
-        let address = || self.address.clone();
-        let mut socket = self.connect()?;
+        let socket = self.connect()?;
         let mut client = Client::new(self.wish.clone());
+        let ended = self.talk_through(socket, &mut client, out, talks);
+        match client.was_answered() {
+            true => ended,
+            false => ended.map_err(|why| LiveError::Stranger(Box::new(why))),
+        }
+    }
+
+    fn talk_through(
+        &self,
+        mut socket: TcpStream,
+        client: &mut Client,
+        out: &Outbox,
+        talks: &mut Talks,
+    ) -> Result<(), LiveError> {
+        let address = || self.address.clone();
         let mut buffer = vec![0; 1 << 16];
         let mut heard = Instant::now();
         let mut leaving = None;
@@ -115,13 +131,13 @@ impl RtdeSource {
             socket
                 .write_all(&asked)
                 .map_err(|source| LiveError::Broken { address: address(), source })?;
+            let mut received = Ok(());
             match socket.read(&mut buffer) {
                 Ok(0) if leaving.is_some() => return Ok(()),
                 Ok(0) => return Err(LiveError::Closed { address: address() }),
                 Ok(count) => {
                     heard = Instant::now();
-                    let talk = |source: RtdeError| LiveError::Talk { address: address(), source };
-                    client.receive(&buffer[..count]).map_err(talk)?;
+                    received = client.receive(&buffer[..count]);
                 }
                 Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
                 Err(e) if e.kind() == ErrorKind::Interrupted => {}
@@ -133,6 +149,8 @@ impl RtdeSource {
                 }
                 talks.tell(event, out, self)?;
             }
+            // What came before it went wrong counts.
+            received.map_err(|source: RtdeError| LiveError::Talk { address: address(), source })?;
             if leaving.is_some_and(|since| since.elapsed() > LOOKS_UP * 4) {
                 return Ok(());
             }
@@ -171,12 +189,7 @@ impl Talks {
             }
             Event::Text(text) => {
                 self.texts += 1;
-                let said = format!(
-                    "the controller: {}: {} {}",
-                    text.level.word(),
-                    text.source,
-                    text.message
-                );
+                let said = format!("the controller: {text}");
                 match self.texts {
                     n if n < TEXTS => out.tell(News::Note(said)),
                     TEXTS => {

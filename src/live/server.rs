@@ -5,6 +5,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
@@ -29,6 +30,7 @@ pub struct Server {
     stop: Arc<AtomicBool>,
     events: Receiver<Served>,
     tell: Sender<Served>,
+    listens: Option<JoinHandle<()>>,
 }
 
 struct Client {
@@ -59,16 +61,17 @@ impl Server {
         let listener = TcpListener::bind(address).map_err(cannot)?;
         listener.set_nonblocking(true).map_err(cannot)?;
         let (tell, events) = unbounded();
-        let server = Self {
+        let mut server = Self {
             address: listener.local_addr().map_err(cannot)?,
             clients: Arc::default(),
             stop: Arc::default(),
             events,
             tell: tell.clone(),
+            listens: None,
         };
         let (clients, stop) = (Arc::clone(&server.clients), Arc::clone(&server.stop));
-        std::thread::Builder::new()
-            .name("listens".into())
+        let listens = std::thread::Builder::new().name("listens".into());
+        server.listens = listens
             .spawn(move || {
                 while !stop.load(Ordering::Relaxed) {
                     match listener.accept() {
@@ -77,6 +80,7 @@ impl Server {
                     }
                 }
             })
+            .map(Some)
             .map_err(LiveError::Thread)?;
         Ok(server)
     }
@@ -112,6 +116,10 @@ impl Server {
 impl Drop for Server {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
+        // The address is free again once this is over.
+        if let Some(listens) = self.listens.take() {
+            let _ = listens.join();
+        }
         for client in held(&self.clients).drain(..) {
             let _ = client.socket.shutdown(Shutdown::Both);
         }

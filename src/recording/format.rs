@@ -10,6 +10,14 @@ pub trait Format: Sync {
     /// Whether this is the format to read `path` with; the first in [`super::FORMATS`] that says yes does.
     fn reads(&self, path: &Path) -> bool;
     fn read(&self, path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError>;
+    /// What is in a file that is still being written; `None` while that is nothing yet.
+    fn read_unfinished(
+        &self,
+        path: &Path,
+        map: Option<&ColumnMap>,
+    ) -> Result<Option<Recording>, RecordingError> {
+        self.read(path, map).map(Some)
+    }
     /// Endings of file names it is written under; empty if it is only read.
     fn extensions(&self) -> &'static [&'static str] {
         &[]

@@ -44,6 +44,23 @@ pub fn read(path: &Path, columns: Option<&Path>) -> Result<Recording, RecordingE
 
 /// Reads like [`read`], by a column map that is at hand.
 pub fn read_by(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError> {
+    reader(path)?.read(path, map)
+}
+
+/// Reads what is there of a file that is still being written; `None` while that is nothing yet.
+pub fn read_unfinished(
+    path: &Path,
+    map: Option<&ColumnMap>,
+) -> Result<Option<Recording>, RecordingError> {
+    let format = reader(path)?;
+    match path.metadata().is_ok_and(|m| m.len() == 0) {
+        true => Ok(None),
+        false => format.read_unfinished(path, map),
+    }
+}
+
+/// The format to read `path` with.
+fn reader(path: &Path) -> Result<&'static dyn Format, RecordingError> {
     if !path.exists() {
         return Err(RecordingError::NotFound { file: path.display().to_string() });
     }
@@ -53,12 +70,8 @@ pub fn read_by(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, Record
     if let Some(feature) = left_out(path) {
         return Err(RecordingError::LeftOut { file: path.display().to_string(), feature });
     }
-    for format in FORMATS {
-        if format.reads(path) {
-            return format.read(path, map);
-        }
-    }
-    Err(unknown_extension(path))
+    let reads = FORMATS.iter().copied().find(|format| format.reads(path));
+    reads.ok_or_else(|| unknown_extension(path))
 }
 
 /// The format that writes under the name of `path`, CSV into what has none, such as a pipe; checked before

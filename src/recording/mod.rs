@@ -41,7 +41,7 @@ pub use columns::ColumnMap;
 pub use draft::{Draft, draft};
 pub use error::RecordingError;
 pub use format::{Format, WriteOptions};
-pub use formats::{FORMATS, read, read_by, write, writer};
+pub use formats::{FORMATS, read, read_by, read_unfinished, write, writer};
 #[cfg(feature = "live")]
 pub use journal::{JOURNALED, Journal, journal_of, journaled};
 pub use rtde_csv::write_csv;

@@ -46,6 +46,7 @@ enum State {
 #[derive(Debug)]
 pub struct Client {
     state: State,
+    answered: bool,
     wish: Wish,
     names: Vec<String>,
     recipe: Recipe,
@@ -63,6 +64,7 @@ impl Client {
         put(Kind::ProtocolVersion, &PROTOCOL.to_be_bytes(), &mut out);
         Self {
             state: State::AsksProtocol,
+            answered: false,
             wish,
             names,
             recipe: Recipe::default(),
@@ -93,6 +95,11 @@ impl Client {
         if self.state == State::Paused {
             self.ask(State::AsksResume, Kind::Start, &[]);
         }
+    }
+
+    /// Whether the other side has answered as a controller does.
+    pub fn was_answered(&self) -> bool {
+        self.answered
     }
 
     /// Whether rows are coming.
@@ -127,10 +134,14 @@ impl Client {
             (Kind::Data, Runs | AsksPause | AsksResume) => {
                 self.events.push_back(Event::Row(self.recipe.row(&frame.body)?));
             }
-            (Kind::ProtocolVersion, AsksProtocol) => match granted(frame)? {
-                true => self.ask(AsksVersion, Kind::ControllerVersion, &[]),
-                false => return Err(RtdeError::Protocol),
-            },
+            (Kind::ProtocolVersion, AsksProtocol) => {
+                let agreed = granted(frame)?;
+                self.answered = true;
+                if !agreed {
+                    return Err(RtdeError::Protocol);
+                }
+                self.ask(AsksVersion, Kind::ControllerVersion, &[]);
+            }
             (Kind::ControllerVersion, AsksVersion) => {
                 self.events.push_back(Event::Controller(Version::read(frame)?));
                 self.ask_outputs();

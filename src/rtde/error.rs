@@ -10,7 +10,7 @@ pub enum RtdeError {
     Length(usize),
     #[error("it sent a package of the unknown kind {0}: this is no RTDE")]
     Kind(u8),
-    #[error("its answer {kind} has {bytes} bytes, {expected} were expected")]
+    #[error("it sent {kind} of {bytes} bytes, where {expected} were expected")]
     Body { kind: Kind, bytes: usize, expected: usize },
     #[error("it sent {0} where that has no place")]
     Unexpected(Kind),

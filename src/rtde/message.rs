@@ -1,5 +1,7 @@
 //! Bodies of packages that are no data.
 
+use std::fmt;
+
 use bytes::Bytes;
 
 use super::RtdeError;
@@ -50,12 +52,12 @@ impl Level {
         }
     }
 
-    pub fn word(self) -> &'static str {
+    fn word(self) -> &'static str {
         match self {
             Self::Exception => "exception",
             Self::Error => "error",
             Self::Warning => "warning",
-            Self::Info => "says",
+            Self::Info => "message",
         }
     }
 }
@@ -66,6 +68,17 @@ pub struct Text {
     pub level: Level,
     pub source: String,
     pub message: String,
+}
+
+/// `warning: joint 3 is hot (RTMachine)`
+impl fmt::Display for Text {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.level.word(), self.message)?;
+        match self.source.is_empty() {
+            true => Ok(()),
+            false => write!(f, " ({})", self.source),
+        }
+    }
 }
 
 impl Text {

@@ -170,7 +170,7 @@ fn lies_are_told_in_words() {
     let lie = |bytes: &[u8]| Session::new(offer()).receive(bytes).unwrap_err().to_string();
     assert!(lie(b"\x00\x02V").contains("package of 2 bytes"));
     assert!(lie(b"GET / HTTP/1.1\r\n").contains("unknown kind 84"));
-    assert!(lie(b"\x00\x04V\x00").contains("has 1 bytes, 2 were expected"));
+    assert!(lie(b"\x00\x04V\x00").contains("of 1 bytes, where 2 were expected"));
     assert!(lie(b"\x00\x04U\x09").contains("a data package where that has no place"));
     let many = "a,".repeat(600);
     let mut bytes = Vec::new();
@@ -200,7 +200,7 @@ fn lies_are_told_in_words() {
     let foreign = [&runs[..], &[(Kind::Data, &b"\x02abcdefgh"[..])]].concat();
     assert!(told(&foreign).contains("of the recipe 2, 1 was agreed on"));
     let short = [&runs[..], &[(Kind::Data, &b"\x01abcdefg"[..])]].concat();
-    assert!(told(&short).contains("has 8 bytes, 9 were expected"));
+    assert!(told(&short).contains("of 8 bytes, where 9 were expected"));
 }
 
 /// Who announces much and sends little keeps no more than one package waiting.

@@ -280,9 +280,20 @@ pub fn frame(robot: &Robot, q: &JointSeries) -> Frame {
     let high = path.iter().fold(base, |high, p| high.sup(p));
     let centre = (low + high) / 2.0;
     let ahead = Vector3::new(centre.x, centre.y, 0.0).try_normalize(1e-6);
+    let size = reach(robot).max((high - low).norm());
+    Frame { centre, ahead: ahead.unwrap_or(Vector3::x()), size }
+}
+
+/// Wherever the arm may go, where that is not known yet: all that is within its reach.
+pub fn around(robot: &Robot) -> Frame {
+    let base = robot.bodies.first().map_or(Vector3::zeros(), |b| b.joint.placement.translation);
+    Frame { centre: base, ahead: Vector3::x(), size: 2.0 * reach(robot) }
+}
+
+/// m
+fn reach(robot: &Robot) -> f64 {
     let links: f64 = robot.bodies.iter().map(|b| b.joint.placement.translation.norm()).sum();
-    let reach = links + robot.flange.translation.norm();
-    Frame { centre, ahead: ahead.unwrap_or(Vector3::x()), size: reach.max((high - low).norm()) }
+    links + robot.flange.translation.norm()
 }
 
 pub fn xyz(v: &Vector3<f64>) -> [f32; 3] {

@@ -63,6 +63,12 @@ impl Detector {
         self.expected
     }
 
+    /// Joints, from 0, that slid too little so far to tell a change.
+    pub fn learns(&self) -> Vec<usize> {
+        let knows = |j: usize| self.joints[j].charts.iter().all(|chart| chart.whitened.knows());
+        (0..self.joints.len()).filter(|&j| !knows(j)).collect()
+    }
+
     /// Takes what is seen. After an alarm the charts begin anew: what is, is the usual from then on.
     pub fn add(&mut self, stretch: &Stretch) -> Option<Alarm> {
         let mut first: Option<Alarm> = None;

@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use crate::recording::{Channel, Provenance, Recording};
+use super::rows::recording;
+use crate::recording::Recording;
 
 /// Rows of at most so many seconds, and never more than so many.
 #[derive(Debug, Clone)]
@@ -41,17 +42,8 @@ impl Memory {
 
     /// What is remembered from one time to another, s.
     pub fn between(&self, from_s: f64, to_s: f64) -> Recording {
-        let rows: Vec<&Vec<f64>> =
-            self.rows.iter().filter(|row| (from_s..=to_s).contains(&row[0])).collect();
-        let column = |c: usize| rows.iter().map(|row| row[c]).collect::<Vec<f64>>();
-        let channels = self.names.iter().enumerate();
-        Recording {
-            time: column(0),
-            channels: channels
-                .map(|(c, name)| Channel { name: name.clone(), values: column(c + 1) })
-                .collect(),
-            provenance: Provenance { source: "the last minutes".into(), ..Provenance::default() },
-        }
+        let asked = self.rows.iter().filter(|row| (from_s..=to_s).contains(&row[0]));
+        recording(&self.names, asked, "the last minutes")
     }
 
     /// Rows that are remembered, at most so many.

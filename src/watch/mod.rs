@@ -18,6 +18,7 @@ mod detector;
 mod figures;
 mod flange;
 mod memory;
+mod rows;
 mod segments;
 mod self_starting;
 mod stretch;

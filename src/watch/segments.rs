@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use super::WatchError;
-use crate::recording::{Channel, JOINT_SIGNALS, Provenance, Recording};
+use super::rows::recording;
+use crate::recording::{JOINT_SIGNALS, Recording};
 
 /// What a segment adds to what was seen, s.
 pub const HOP_S: f64 = 2.0;
@@ -68,24 +69,13 @@ impl Segments {
             return None;
         }
         let core = begins..begins + HOP_S;
-        let segment = Segment { recording: self.recording(), core: core.clone() };
+        let recording = recording(&self.names, self.rows.iter(), "rows as they come");
+        let segment = Segment { recording, core: core.clone() };
         self.seen = Some(core.end);
         while self.rows.front().is_some_and(|row| row[0] < core.end - MARGIN_S) {
             self.rows.pop_front();
         }
         Some(segment)
-    }
-
-    fn recording(&self) -> Recording {
-        let column = |c: usize| self.rows.iter().map(|row| row[c]).collect::<Vec<f64>>();
-        let channels = self.names.iter().enumerate();
-        Recording {
-            time: column(0),
-            channels: channels
-                .map(|(c, name)| Channel { name: name.clone(), values: column(c + 1) })
-                .collect(),
-            provenance: Provenance { source: "rows as they come".into(), ..Provenance::default() },
-        }
     }
 
     /// Numbers that wait.

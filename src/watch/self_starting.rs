@@ -45,8 +45,13 @@ impl SelfStarting {
             predicted.as_ref().map_or(x, |p| p.mean + (x - p.mean).clamp(-p.reach(), p.reach()));
         self.before = Some(taught);
         self.teach(before, taught, predicted.as_ref());
-        let p = predicted.filter(|p| self.blocks > FEWEST && p.spread > 0.0)?;
+        let p = predicted.filter(|p| self.knows() && p.spread > 0.0)?;
         Some(normal((x - p.mean) / (p.width * p.spread), p.freedom))
+    }
+
+    /// Whether it tells numbers by now.
+    pub fn knows(&self) -> bool {
+        self.blocks > FEWEST
     }
 
     fn teach(&mut self, before: f64, x: f64, predicted: Option<&Predicted>) {

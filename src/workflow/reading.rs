@@ -4,15 +4,17 @@
 use std::borrow::Cow;
 use std::ops::Deref;
 
-use super::{Arm, WorkflowError};
+use super::{Arm, SignalOptions, WorkflowError};
 use crate::follow::Watch;
 use crate::plausibility::Doubt;
 use crate::recording::{Recording, refuse_same};
 use crate::signals::thin;
 
-/// How recordings are taken.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// How recordings are taken and conditioned, in every job.
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Reading {
+    pub signals: SignalOptions,
     /// Keep all rows of recordings faster than 125 Hz or longer than 300 000 rows.
     pub every_row: bool,
     /// Go on with a recording that contradicts its column names or the arm.
@@ -32,8 +34,22 @@ impl Deref for Prepared<'_> {
 }
 
 impl Reading {
-    /// Takes a recording of `arm`; `floor_hz` is the least rate that will do. `watch` hears what is done
-    /// with it.
+    /// Takes the recordings of a job: one to search on and, where there is one, another to decide on.
+    ///
+    /// # Errors
+    /// As [`Reading::take`].
+    pub fn both<'a>(
+        &self,
+        arm: &Arm,
+        fit: &'a Recording,
+        check: Option<&'a Recording>,
+        watch: &dyn Watch,
+    ) -> Result<(Prepared<'a>, Option<Prepared<'a>>), WorkflowError> {
+        let take = |recording| self.take(Cow::Borrowed(recording), arm, watch);
+        Ok((take(fit)?, check.map(take).transpose()?))
+    }
+
+    /// Takes a recording of `arm`. `watch` hears what is done with it.
     ///
     /// # Errors
     /// If it is of another number of joints, of an unknown drive, or contradicts itself or the arm and is not
@@ -42,7 +58,6 @@ impl Reading {
         &self,
         recording: Cow<'a, Recording>,
         arm: &Arm,
-        floor_hz: f64,
         watch: &dyn Watch,
     ) -> Result<Prepared<'a>, WorkflowError> {
         let mut recording = recording;
@@ -57,7 +72,9 @@ impl Reading {
         if self.every_row {
             return Ok(Prepared(recording));
         }
-        let Some(thinned) = thin(&recording, floor_hz) else { return Ok(Prepared(recording)) };
+        let Some(thinned) = thin(&recording, self.signals.floor_hz()) else {
+            return Ok(Prepared(recording));
+        };
         if let Some(note) = thinned.provenance.notes.last() {
             watch.note(&format!("{}: {note}", recording.provenance.source));
         }

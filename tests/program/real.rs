@@ -13,11 +13,15 @@ const UR5: &str = "kkufieta-ur5_modeling_force_estimate";
 /// Stated for the loaded recordings of the UR10e.
 const LOAD_KG: f64 = 2.805;
 
+/// Where recordings and programs of others are.
+pub fn shared() -> PathBuf {
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
+    std::env::var_os("ARMTWIN_SHARED").map_or_else(beside, PathBuf::from)
+}
+
 /// A folder of recordings.
 pub fn recordings(folder: &str) -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
-    let root = std::env::var_os("ARMTWIN_SHARED").map_or_else(beside, PathBuf::from);
-    let found = root.join("recordings").join(folder);
+    let found = shared().join("recordings").join(folder);
     if !found.is_dir() {
         eprintln!("skipped: {} is not here", found.display());
     }

@@ -11,8 +11,6 @@ use tempfile::TempDir;
 
 use super::{Output, armtwin};
 
-/// Programs of others, which stay where they are.
-const PEERS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/peers/rtde");
 /// Python with the package `ur_rtde`.
 const SDU: &str = "ARMTWIN_UR_RTDE_PYTHON";
 
@@ -39,8 +37,9 @@ coulomb = [6, 7, 5, 1.5, 1.2, 1.0]
 viscous = [9, 11, 7, 1.9, 1.4, 1.1]
 ";
 
+/// A program of others, which stays where it is.
 fn peer(name: &str) -> Option<PathBuf> {
-    let path = Path::new(PEERS).join(name);
+    let path = super::real::shared().join("peers/rtde").join(name);
     if !path.exists() {
         eprintln!("skipped: {} is not there", path.display());
         return None;
@@ -150,6 +149,37 @@ fn a_killed_recording_is_whole_up_to_its_last_second() {
     );
     let made = armtwin(&["convert", journal.to_str().unwrap(), "-o", out.to_str().unwrap()]);
     assert_eq!(made.code, 0, "{}", made.stderr);
+}
+
+/// The arm is switched off and on again: its clock begins anew, and so does a file.
+#[test]
+fn a_recording_goes_on_when_the_arm_comes_back() {
+    let folder = TempDir::new().unwrap();
+    let (arm, address) = serve(folder.path(), &["--port", "0"]);
+    let [out, counts] = ["run.csv", "run.json"].map(|name| folder.path().join(name));
+    let said = ["--reconnect", "--seconds", "4", "--json", counts.to_str().unwrap()];
+    let recorded = std::thread::scope(|scope| {
+        let recording = scope.spawn(|| record(&address, &out, &said));
+        let journal = folder.path().join("run.csv.part.csv");
+        let begun = Instant::now();
+        while fs::metadata(&journal).map_or(0, |m| m.len()) < 100_000 {
+            assert!(begun.elapsed() < Duration::from_secs(60), "nothing is recorded");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        drop(arm);
+        let port = address.rsplit(':').next().unwrap();
+        let (_again, _) = serve(folder.path(), &["--port", port]);
+        recording.join().unwrap()
+    });
+    assert_eq!(recorded.code, 0, "{}", recorded.stderr);
+    assert!(recorded.stderr.contains("trying again"), "{}", recorded.stderr);
+    assert!(recorded.stderr.contains("goes on in a new file"), "{}", recorded.stderr);
+    let counts: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(counts).unwrap()).unwrap();
+    assert_eq!(counts["dropped"], 0);
+    let read = |name: &str| armtwin::recording::read(&folder.path().join(name), None).unwrap();
+    let rows = read("run.csv").time.len() + read("run.2.csv").time.len();
+    assert_eq!(counts["rows"], rows as u64);
 }
 
 #[test]
@@ -344,7 +374,7 @@ fn a_change_is_noticed_where_and_when_it_is_and_remembered() {
         run.stdout
     };
     let said = watch(&["--history", &path("watched"), "--json", &path("seen.jsonl")]);
-    assert!(said.contains("one false alarm in 168.0000 h of motion is expected"), "{said}");
+    assert!(said.contains("one false alarm in 168 h of motion is expected"), "{said}");
     assert!(said.contains("the gap of joint 3 changed") && said.contains("1 change"), "{said}");
     let seen = fs::read_to_string(path("seen.jsonl")).unwrap();
     let lines: Vec<serde_json::Value> =

@@ -4,30 +4,25 @@ from __future__ import annotations
 
 import html
 import json
-import os
 import tempfile
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any
 
 from . import _engine
 from ._arrays import Floats
 from ._errors import InputError
 from ._listen import Listener, Progress
+from ._result import Result, StrPath
 from ._signals import Signals, taken
 from ._table import Table
 from .recording import Recording
 from .twin import Twin
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 __all__ = ["Cause", "Diagnosis", "Gap", "JointGap", "Shrink", "Trace", "Unexplained", "Value", "diagnose"]
-
-StrPath: TypeAlias = str | os.PathLike[str]
 
 
 @dataclass(frozen=True)
@@ -188,11 +183,11 @@ class _Stored:
         path.write_bytes(zlib.decompress(self._state["rrd"]))
 
 
-class Diagnosis:
+class Diagnosis(Result):
     """What `diagnose` found; `sentence` has it in one."""
 
     def __init__(self, done: _engine.Diagnosed | _Stored) -> None:
-        self._done = done
+        self._done: _engine.Diagnosed | _Stored = done
 
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
         with tempfile.TemporaryDirectory() as folder:
@@ -209,11 +204,6 @@ class Diagnosis:
             "rrd": rrd,
         }
         return _restored, (state,)
-
-    @cached_property
-    def _document(self) -> dict[str, Any]:
-        document: dict[str, Any] = json.loads(self._done.json())
-        return document
 
     @property
     def sentence(self) -> str:
@@ -300,19 +290,6 @@ class Diagnosis:
     def _repr_html_(self) -> str:
         return f"<p>{html.escape(self.sentence)}</p>{self.gap.table._repr_html_()}{self.table._repr_html_()}"
 
-    def to_pandas(self) -> pd.DataFrame:
-        """`table` with all digits."""
-        return self.table.to_pandas()
-
-    def to_dict(self) -> dict[str, Any]:
-        """The document that ``armtwin diagnose --json`` writes."""
-        document: dict[str, Any] = json.loads(self._done.json())
-        return document
-
-    def report(self, path: StrPath) -> None:
-        """Write a report with pictures, one HTML file for any browser."""
-        _engine.write_text(Path(path), self._done.html())
-
     def rerun(self, path: StrPath) -> None:
         """Write a scene for the viewer: the recorded arm beside both twins."""
         self._done.rerun(Path(path))
@@ -331,17 +308,7 @@ class Diagnosis:
 
     def save(self, path: StrPath) -> None:
         """Write what the name ends in: .json (everything), .html (`report`), .rrd (`rerun`), .toml (`mended`)."""
-        ending = Path(path).suffix.lower()
-        if ending == ".json":
-            _engine.write_text(Path(path), json.dumps(self.to_dict(), indent=2) + "\n")
-        elif ending == ".html":
-            self.report(path)
-        elif ending == ".rrd":
-            self.rerun(path)
-        elif ending == ".toml":
-            self.mended.save(path)
-        else:
-            raise InputError(f"{os.fspath(path)}: end the name in .json, .html, .rrd or .toml")
+        self._save(path, {".rrd": self.rerun, ".toml": lambda toml: self.mended.save(toml)})
 
 
 def _restored(state: dict[str, Any]) -> Diagnosis:
@@ -395,14 +362,14 @@ def diagnose(
     InputError, DoubtfulRecording
         As `identify`.
     """
-    options = {
+    settings = {
         "without": list(without),
         "seed": seed,
         "mass_error": mass_error,
         "centre_error_m": centre_error,
-        "simulate": simulation,
-        "taken": taken(signals, every_row, force),
     }
+    reading = taken(signals, every_row, force)
+    options = {"settings": settings, "simulate": simulation, "reading": reading}
     done = _engine.diagnose(
         twin._engine,
         recording._for(twin),

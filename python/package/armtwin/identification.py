@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 import json
-import os
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any
 
 from . import _engine
 from ._arrays import Bools, Floats
 from ._errors import InputError
 from ._listen import Listener, Progress
+from ._result import Result, StrPath
 from ._signals import Signals, taken
 from ._table import Table
 from .recording import Recording
 from .twin import Twin
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 __all__ = ["Identification", "JointFit", "Parameter", "Prediction", "identify", "predict"]
-
-StrPath: TypeAlias = str | os.PathLike[str]
 
 
 @dataclass(frozen=True)
@@ -161,24 +155,19 @@ class _Stored:
         return zlib.decompress(self._page).decode()
 
 
-class Identification:
+class Identification(Result):
     """What `identify` found.
 
     ``fit["joint 2"].coulomb.value`` is in the parameter's SI unit; ``fit.table`` has all.
     """
 
     def __init__(self, done: _engine.Identified | _Stored) -> None:
-        self._done = done
+        self._done: _engine.Identified | _Stored = done
 
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
         twin = self._done.fitted()
         page = zlib.compress(self._done.html().encode(), 1)
         return _restored, (self._done.json(), None if twin is None else twin.to_bytes(), page)
-
-    @cached_property
-    def _document(self) -> dict[str, Any]:
-        document: dict[str, Any] = json.loads(self._done.json())
-        return document
 
     @cached_property
     def _result(self) -> dict[str, Any]:
@@ -247,7 +236,11 @@ class Identification:
 
     @cached_property
     def twin(self) -> Twin:
-        """The twin with the values found."""
+        """The twin with the values found.
+
+        A payload's are those of least squares beside the model's own links; `arm` has them beside links that are
+        as uncertain as the payload's interval says.
+        """
         found = self._done.fitted()
         if found is None:
             raise InputError("nothing was fitted: name a method")
@@ -264,30 +257,9 @@ class Identification:
     def _repr_html_(self) -> str:
         return self.table._repr_html_()
 
-    def to_pandas(self) -> pd.DataFrame:
-        """`table` with all digits."""
-        return self.table.to_pandas()
-
-    def to_dict(self) -> dict[str, Any]:
-        """The document that ``armtwin identify --json`` writes."""
-        document: dict[str, Any] = json.loads(self._done.json())
-        return document
-
-    def report(self, path: StrPath) -> None:
-        """Write a report with pictures, one HTML file for any browser."""
-        _engine.write_text(Path(path), self._done.html())
-
     def save(self, path: StrPath) -> None:
         """Write what the name ends in: .json (everything), .html (`report`), .toml (`twin`)."""
-        ending = Path(path).suffix.lower()
-        if ending == ".json":
-            _engine.write_text(Path(path), json.dumps(self.to_dict(), indent=2) + "\n")
-        elif ending == ".html":
-            self.report(path)
-        elif ending == ".toml":
-            self.twin.save(path)
-        else:
-            raise InputError(f"{os.fspath(path)}: end the name in .json, .html or .toml")
+        self._save(path, {".toml": lambda toml: self.twin.save(toml)})
 
 
 def _restored(document: str, twin: bytes | None, page: bytes) -> Identification:
@@ -368,21 +340,21 @@ def identify(
     options = {
         "terms": list(terms),
         "with": list(include),
-        "methods": list(methods),
-        "direct_cost": direct_cost,
         "reduce": reduce,
-        "bounds": {name: [float(low), float(high)] for name, (low, high) in (bounds or {}).items()},
-        "seed": seed,
+        "bounds": [(name, (float(low), float(high))) for name, (low, high) in (bounds or {}).items()],
+        "settings": {
+            "methods": list(dict.fromkeys(methods)),
+            "pso_cost": "direct" if direct_cost else "quadratic",
+            "seed": seed,
+        },
         "total_mass": total_mass,
-        "payload": payload,
-        "payload_centre": payload_centre,
-        "taken": taken(signals, every_row, force),
+        "reading": taken(signals, every_row, force),
     }
     done = _engine.identify(
         twin._engine,
         recording._for(twin),
         None if check is None else check._for(twin),
-        None if loaded is None else loaded._for(twin),
+        None if loaded is None or payload is None else (loaded._for(twin), payload, payload_centre),
         json.dumps(options),
         Listener(progress),
     )
@@ -392,5 +364,5 @@ def identify(
 def predict(twin: Twin, recording: Recording, *, signals: Signals | None = None) -> Prediction:
     """Torque of a twin along a recording."""
     raw = json.dumps(taken(signals, False, False)["signals"])
-    t, torque, measured, slides = _engine.predict(twin._engine, recording._for(twin), raw)
+    t, (torque, measured), slides = _engine.predict(twin._engine, recording._for(twin), raw)
     return Prediction(t, torque.T, measured.T, slides.T)

@@ -78,7 +78,7 @@ class Motion:
 
     def sampled(self, twin: Twin, dt: float = 0.008) -> Sampled:
         """The motion of this arm, every `dt` seconds."""
-        t, q, qd, qdd = _engine.trajectory(twin._engine, json.dumps(self._settings()), dt)
+        t, (q, qd, qdd) = _engine.trajectory(twin._engine, json.dumps(self._settings()), dt)
         return Sampled(t, q.T, qd.T, qdd.T)
 
 

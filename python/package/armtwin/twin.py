@@ -20,14 +20,23 @@ PerJoint: TypeAlias = float | Sequence[float]
 StrPath: TypeAlias = str | os.PathLike[str]
 
 
-class Robot:
+class _OfArm:
+    """What wraps the engine's twin."""
+
+    def __init__(self, engine: _engine.Twin) -> None:
+        self._engine = engine
+
+    @property
+    def joints(self) -> list[str]:
+        """Names of the joints, base to wrist."""
+        return self._engine.joints
+
+
+class Robot(_OfArm):
     """The rigid arm of a twin: M(q) qdd + C(q, qd) qd + g(q) = tau.
 
     Every method takes one instant, ``(n,)``, or many, ``(T, n)``, of any real dtype and any strides.
     """
-
-    def __init__(self, engine: _engine.Twin) -> None:
-        self._engine = engine
 
     def __repr__(self) -> str:
         return f"<Robot: {self.dof} joints, {self.mass:.3f} kg>"
@@ -36,11 +45,6 @@ class Robot:
     def dof(self) -> int:
         """Number of joints."""
         return self._engine.dof
-
-    @property
-    def joints(self) -> list[str]:
-        """Names of the joints, base to wrist."""
-        return self._engine.joints
 
     @property
     def mass(self) -> float:
@@ -77,9 +81,8 @@ class Robot:
         ndarray, shape (n,) or (T, n)
             N.m
         """
-        single, arrays = motion(q=q, qd=qd, qdd=qdd)
-        found = self._engine.inverse_dynamics(*arrays).T
-        return unwrapped(single, found)
+        single, along = motion(q=q, qd=qd, qdd=qdd)
+        return unwrapped(single, self._engine.inverse_dynamics(along).T)
 
     def gravity(self, q: ArrayLike) -> Floats:
         """Torque that holds the bodies still, N.m; shapes as in `inverse_dynamics`."""
@@ -99,9 +102,8 @@ class Robot:
         ndarray, shape (n, 10 n) or (T, n, 10 n)
             Ten columns per body: N.m per kg, kg.m and kg.m2.
         """
-        single, arrays = motion(q=q, qd=qd, qdd=qdd)
-        found = self._engine.regressor(*arrays)
-        return unwrapped(single, found)
+        single, along = motion(q=q, qd=qd, qdd=qdd)
+        return unwrapped(single, self._engine.regressor(along))
 
     @property
     def inertial_parameters(self) -> Floats:
@@ -109,14 +111,11 @@ class Robot:
         return np.array(self._engine.inertial_parameters())
 
 
-class Twin:
+class Twin(_OfArm):
     """An arm, its drive, and the effects its owner already models.
 
     Make one by `load`, `builtin`, `from_urdf` or `from_mjcf`.
     """
-
-    def __init__(self, engine: _engine.Twin) -> None:
-        self._engine = engine
 
     @classmethod
     def load(cls, path: StrPath) -> Twin:
@@ -226,11 +225,6 @@ class Twin:
         return self._engine.source
 
     @property
-    def joints(self) -> list[str]:
-        """Names of the joints, base to wrist."""
-        return self._engine.joints
-
-    @property
     def effects(self) -> list[str]:
         """What the twin models."""
         return self._engine.effects
@@ -270,9 +264,8 @@ class Twin:
         ndarray, shape (n,) or (T, n)
             N.m
         """
-        single, (q_, qd_, qdd_) = motion(q=q, qd=qd, qdd=qdd)
-        found = self._engine.torque(q_, qd_, qdd_, dt).T
-        return unwrapped(single, found)
+        single, along = motion(q=q, qd=qd, qdd=qdd)
+        return unwrapped(single, self._engine.torque(along, dt).T)
 
     def to_toml(self) -> str:
         """Text of a ``TWIN.toml``."""

@@ -71,12 +71,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     use crate::viewer::write_rrd;
 
     let arm = args.arm.load()?;
-    let recording = args.work.read(
-        &args.recording,
-        &arm,
-        args.conditioning.floor_hz(),
-        &Progress::default(),
-    )?;
+    let recording =
+        args.work.read(&args.recording, &arm, args.conditioning.options(), &Progress::default())?;
     let twin = &arm.twin;
     let terms = fit::terms(twin, args.arm.twin.is_some())?;
     let how = args.conditioning.options().over(Conditioning::default());

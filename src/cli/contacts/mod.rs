@@ -70,11 +70,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let path = args.recording.clone().context("give a recording")?;
     let given = args.arm.load()?;
-    let floor_hz = args.conditioning.floor_hz();
     let read = |path: PathBuf, columns: Option<&PathBuf>| {
         let mut work = args.work.clone();
         work.read.columns = columns.cloned().or(work.read.columns);
-        let recording = work.read(&path, &given, floor_hz, &Progress::default())?;
+        let signals = args.conditioning.options();
+        let recording = work.read(&path, &given, signals, &Progress::default())?;
         anyhow::Ok(Source::of(path, recording.into_owned()))
     };
     let recording = read(path, None)?;

@@ -92,7 +92,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     args.out.as_ref().map_or(Ok(()), |out| outputs::ask_in(out, &FILES))?;
     let arm = args.arm.load()?;
     let watch = Progress::default();
-    let read = |path: &Path| args.work.read(path, &arm, args.conditioning.floor_hz(), &watch);
+    let read = |path: &Path| args.work.read(path, &arm, args.conditioning.options(), &watch);
     let fit = read(&args.fit)?;
     let check = args.check.as_deref().map(read).transpose()?;
     check
@@ -135,6 +135,6 @@ impl Args {
             .mass_error(self.mass_error.unwrap_or(usual.mass_error))
             .centre_error_m(self.centre_error.unwrap_or(usual.centre_error_m))
             .simulated(!self.no_simulation)
-            .signals(self.conditioning.options()))
+            .reading(self.work.reading(self.conditioning.options())))
     }
 }

@@ -147,7 +147,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     arm.scaled = args.load.given().is_none();
     how.terms_for(&arm)?;
     let watch = Progress::default();
-    let read = |path: &Path| args.work.read(path, &arm, args.conditioning.floor_hz(), &watch);
+    let read = |path: &Path| args.work.read(path, &arm, args.conditioning.options(), &watch);
     let fit = read(&args.recording)?;
     let check = args.check.as_deref().map(read).transpose()?;
     check.iter().try_for_each(|check| refuse_same(&fit, check)).context("--check")?;
@@ -207,7 +207,7 @@ impl Args {
             .seed(self.seed)
             .reduce(self.reduce)
             .total_mass(self.total_mass)
-            .signals(self.conditioning.options())
+            .reading(self.work.reading(self.conditioning.options()))
     }
 
     /// Where the links that are found go makes sense with them alone.

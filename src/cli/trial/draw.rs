@@ -13,7 +13,7 @@ use crate::cli::twin::{Arm, ArmArgs};
 use crate::diagnosis::Settings;
 use crate::recording::{self, Recording};
 use crate::trials::{Draw, DrawOn, Names, Seals, Sources, draw, draw_on, import};
-use crate::workflow::{Reading, SignalOptions};
+use crate::workflow::Reading;
 
 /// Make cases with sealed labels, by simulation or on your own recordings, or take cases made elsewhere
 #[derive(clap::Args)]
@@ -151,11 +151,10 @@ impl Args {
     /// The recordings of --on, each held against the arm first, as every command does.
     fn recordings(&self, arm: &Arm) -> anyhow::Result<Vec<Recording>> {
         let bar = Progress::default();
-        let floor_hz = SignalOptions::default().floor_hz();
+        let how = Reading { force: self.force, ..Reading::default() };
         let one = |path: &PathBuf| {
             let recording = recording::read(path, self.columns.as_deref())?;
-            let how = Reading { every_row: false, force: self.force };
-            Ok(take(how, recording, arm, floor_hz, &bar)?.into_owned())
+            Ok(take(&how, recording, arm, &bar)?.into_owned())
         };
         self.on.iter().map(one).collect()
     }

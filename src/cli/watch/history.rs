@@ -26,6 +26,7 @@ pub fn column(what: &str, joint: usize) -> String {
 pub struct History {
     rows: Journal,
     events: Growing,
+    begun: Option<f64>,
     last: Option<f64>,
 }
 
@@ -48,6 +49,7 @@ impl History {
         Ok(Self {
             rows: Journal::begin(&dir.join(name), &names)?,
             events: opened.with_context(|| format!("cannot write {}", events.display()))?,
+            begun: None,
             last: None,
         })
     }
@@ -57,8 +59,14 @@ impl History {
         if self.last.is_some_and(|last| time - last < EVERY_S) {
             return Ok(());
         }
-        self.last = Some(time);
         let (figures, joints) = (watch.figures(), 0..watch.figures().joints());
+        // The first row waits for all joints to have moved, as long as a row is.
+        let begun = *self.begun.get_or_insert(time);
+        let moved = joints.clone().all(|j| figures.now(j)[0].is_some());
+        if self.last.is_none() && !moved && time - begun < EVERY_S {
+            return Ok(());
+        }
+        self.last = Some(time);
         let level = figures.level();
         let mut row = vec![time];
         // What never moved has no gap.

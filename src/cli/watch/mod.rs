@@ -27,6 +27,7 @@ use super::twin::{Arm, ArmArgs};
 use super::{compare, interrupt};
 use crate::diagnosis::conditioning;
 use crate::live::{Feed, Gaps, News, Pace};
+use crate::numbers;
 use crate::recording;
 use crate::signals::condition;
 use crate::twin::Twin;
@@ -39,12 +40,12 @@ use crate::watch::{Answer, Memory, Seen, Settings, Watch};
   armtwin watch --twin twin.toml --from run.csv --follow
   armtwin watch --twin twin.toml --from day.parquet --fast --json - | jq .kind
 
-Predicted against measured torque, joint by joint and regime by regime: how large the gap is now (exponentially
-weighted) beside the level the twin left of the recording it was fitted on (--fitted-on), or in the first
-minutes. When a joint's gap changes, that is said at once with the time since when; a minute later the minutes
-before and after are diagnosed in the background, and what is new in them is named. --false-alarm-every states
-how often that may happen without a change; docs/alarms.md has what was measured. Without a terminal a line a
-minute is printed.")]
+Predicted against measured torque, joint by joint and regime by regime: how large the gap is now (exponentially \
+weighted) beside the level the twin left of the recording it was fitted on (--fitted-on), or in the first minutes. \
+When a joint's gap changes, that is said at once with the time since when; a minute later the minutes before and \
+after are diagnosed in the background, and what is new in them is named. A joint has to slide for \
+48 s before a change of it can be noticed. --false-alarm-every states how often that may happen \
+without a change; docs/alarms.md has what was measured. Without a terminal a line a minute is printed.")]
 pub struct Args {
     #[command(flatten)]
     arm: ArmArgs,
@@ -181,8 +182,9 @@ impl Watching {
         let expected = self.watch.detector().expected();
         let hours = expected.every_s / 3600.0;
         self.screen.event(&format!(
-            "changes are looked for in {} charts: one false alarm in {hours:.4} h of motion is expected",
-            expected.charts
+            "changes are looked for in {} charts: one false alarm in {} h of motion is expected",
+            expected.charts,
+            numbers::digits(hours)
         ));
     }
 
@@ -242,6 +244,7 @@ impl Watching {
             crate::watch::FEATURES[alarm.feature],
             self.clock.words(alarm.noticed)
         );
+        self.screen.change(alarm.joint, &self.clock.words(alarm.since));
         self.screen.event(&said);
         let (since, noticed) = (self.clock.of(alarm.since), self.clock.of(alarm.noticed));
         let event = serde_json::json!({

@@ -1,11 +1,13 @@
 //! What a person sees: on a terminal one table that stays where it is, in a pipe a line a minute.
 
+use std::collections::BTreeMap;
 use std::io::IsTerminal;
 
 use indicatif::ProgressBar;
 
 use crate::cli::out;
 use crate::cli::progress;
+use crate::diagnosis::words;
 use crate::report::table;
 use crate::watch::{Figure, REGIMES, Seen, Watch};
 
@@ -16,12 +18,21 @@ pub struct Screen {
     bar: Option<ProgressBar>,
     told: Option<f64>,
     temperature: Option<Vec<f64>>,
+    /// Joints (from 0) whose gap changed, with the time since when in words.
+    changed: BTreeMap<usize, String>,
 }
+
+/// What the columns are.
+const LEGEND: &str = "\
+gap: root mean square now, N.m; level: the same before any change
+along: what is needed along the motion, more than at the level
+reversal ... back_driven: gap after reversals, in slow and fast motion,
+against the load and with it";
 
 impl Screen {
     pub fn new() -> Self {
         let bar = std::io::stderr().is_terminal().then(progress::calm);
-        Self { bar, told: None, temperature: None }
+        Self { bar, told: None, temperature: None, changed: BTreeMap::new() }
     }
 
     /// Something that is worth a line of its own.
@@ -30,6 +41,11 @@ impl Screen {
             Some(bar) => bar.suspend(|| println!("{text}")),
             None => println!("{text}"),
         }
+    }
+
+    /// The gap of a joint changed, `since` in words.
+    pub fn change(&mut self, joint: usize, since: &str) {
+        self.changed.insert(joint, since.into());
     }
 
     /// `time` in words and in s.
@@ -75,10 +91,20 @@ impl Screen {
             cells.push(warm);
             cells
         });
-        let mut header = vec!["joint", "gap N.m", "level", "along"];
+        let mut header = vec!["joint", "gap", "level", "along"];
         header.extend(&REGIMES[1..]);
         header.push("deg C");
-        format!("{head}\n{}\n{}", table(&header, 1, rows), force(watch))
+        let mut below = vec![force(watch)];
+        below.extend(learns(watch));
+        below.extend(self.changes());
+        format!("{head}\n{}\n{}\n\n{LEGEND}", table(&header, 1, rows), below.join("\n"))
+    }
+
+    /// `changed: joint 2 since 12:39:10 UTC`
+    fn changes(&self) -> Option<String> {
+        let one = |(j, since): (&usize, &String)| format!("joint {} since {since}", j + 1);
+        let all: Vec<String> = self.changed.iter().map(one).collect();
+        (!all.is_empty()).then(|| format!("changed: {}", all.join(", ")))
     }
 }
 
@@ -95,6 +121,17 @@ fn line(watch: &Watch) -> String {
         true => "nothing moves".into(),
         false => format!("gap N.m rms (level): {}; {}", joints.join(", "), force(watch)),
     }
+}
+
+/// Where a change would not be noticed yet.
+fn learns(watch: &Watch) -> Option<String> {
+    let joints: Vec<usize> = watch.detector().learns().iter().map(|j| j + 1).collect();
+    let place = match joints.len() {
+        0 => return None,
+        n if n == watch.figures().joints() => "any joint".into(),
+        _ => words::place(&joints),
+    };
+    Some(format!("too little motion so far to notice a change at {place}"))
 }
 
 fn force(watch: &Watch) -> String {

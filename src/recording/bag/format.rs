@@ -30,15 +30,21 @@ impl Format for RosBag {
     }
 
     fn read(&self, path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError> {
-        let unsaid = BagMap::default();
-        let map = match map {
-            None => &unsaid,
-            Some(columns) => columns.bag.as_ref().ok_or_else(|| RecordingError::ColumnMap {
-                file: columns.file.clone(),
-                what: format!("no [bag] table, which is what {} needs", path.display()),
-            })?,
-        };
-        read(path, map)
+        let map = bag_map(path, map)?;
+        settled(path, collected(path, &map, false)?, &map)
+    }
+
+    fn read_unfinished(
+        &self,
+        path: &Path,
+        map: Option<&ColumnMap>,
+    ) -> Result<Option<Recording>, RecordingError> {
+        let map = bag_map(path, map)?;
+        let topics = collected(path, &map, true)?;
+        match topics.joint_states() {
+            0 => Ok(None),
+            _ => settled(path, topics, &map).map(Some),
+        }
     }
 
     fn extensions(&self) -> &'static [&'static str] {
@@ -78,7 +84,21 @@ fn bags_in(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-fn read(path: &Path, map: &BagMap) -> Result<Recording, RecordingError> {
+/// What its owner says of a bag.
+fn bag_map(path: &Path, map: Option<&ColumnMap>) -> Result<BagMap, RecordingError> {
+    let Some(columns) = map else { return Ok(BagMap::default()) };
+    columns.bag.clone().ok_or_else(|| RecordingError::ColumnMap {
+        file: columns.file.clone(),
+        what: format!("no [bag] table, which is what {} needs", path.display()),
+    })
+}
+
+/// What its files hold; one that is `unfinished` may end anywhere.
+fn collected<'m>(
+    path: &Path,
+    map: &'m BagMap,
+    unfinished: bool,
+) -> Result<Topics<'m>, RecordingError> {
     let source = path.display().to_string();
     let files = if path.is_dir() { bags_in(path) } else { vec![path.to_path_buf()] };
     let mut topics = Topics::new(source.clone(), map);
@@ -87,13 +107,18 @@ fn read(path: &Path, map: &BagMap) -> Result<Recording, RecordingError> {
         topics.next_file();
         match file.extension() {
             Some(e) if e.eq_ignore_ascii_case("db3") => sqlite_file::read(file, &mut topics)?,
-            _ => mcap_file::read(file, &mut topics)?,
+            _ => mcap_file::read(file, &mut topics, unfinished)?,
         }
     }
     if files.is_empty() {
         let what = "a bag's folder without .mcap or .db3 files".into();
         return Err(bad(&source, what, "unpack them (zstd -d) or check the path"));
     }
+    Ok(topics)
+}
+
+fn settled(path: &Path, topics: Topics<'_>, map: &BagMap) -> Result<Recording, RecordingError> {
+    let source = path.display().to_string();
     let (topic, joints, numbers) = topics.settle()?;
     let names = joints.names.clone();
     let sampled = joints.finish(map.time).map_err(|(message, what)| RecordingError::Message {

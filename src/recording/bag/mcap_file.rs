@@ -30,15 +30,18 @@ impl From<Broken> for Stop {
     }
 }
 
-pub fn read(path: &Path, topics: &mut Topics) -> Result<(), RecordingError> {
+/// A file that is `unfinished` is read up to where its writer is.
+pub fn read(path: &Path, topics: &mut Topics, unfinished: bool) -> Result<(), RecordingError> {
     let file = File::open(path).map_err(cannot(path, "read"))?;
     let file = BufReader::with_capacity(BYTES_PER_READ, file);
     let mut schemas = HashMap::new();
     let done = mcap_records::read(file, |record| take(record, &mut schemas, topics));
-    done.map_err(|stop| match stop {
-        Stop::Content(error) => error,
-        Stop::Broken(broken) => refusal(broken, path, topics.joint_states()),
-    })
+    match done {
+        Err(Stop::Broken(Broken::CutOff)) if unfinished => Ok(()),
+        Err(Stop::Broken(broken)) => Err(refusal(broken, path, topics.joint_states())),
+        Err(Stop::Content(error)) => Err(error),
+        Ok(()) => Ok(()),
+    }
 }
 
 fn take(

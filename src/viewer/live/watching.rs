@@ -122,8 +122,7 @@ fn entity(joint: usize, key: &str) -> String {
 }
 
 fn arrangement(robot: &Robot) -> Node {
-    let still = JointSeries::zeros(robot.dof(), 1);
-    let view = arms("The arm as it stands", &arm::frame(robot, &still));
+    let view = arms("The arm as it stands", &arm::around(robot));
     let plot = |joint: usize, key: &str, label: &str| {
         let name = format!("{} {}: {label}", joint + 1, joint_name(robot, joint));
         time_series(name, entity(joint, key), key == "torque")

@@ -7,10 +7,9 @@ mod resimulated;
 #[cfg(feature = "viewer")]
 mod scene;
 
-use std::borrow::Cow;
 use std::time::Instant;
 
-use super::{Arm, Prepared, Reading, SignalOptions, WorkflowError, conditioned};
+use super::{Arm, Prepared, Reading, WorkflowError, conditioned};
 use crate::diagnosis::{self, Diagnosis, Settings, Traces, mend};
 use crate::effects;
 use crate::follow::Watch;
@@ -29,10 +28,10 @@ pub use document::DiagnosisDocument;
 /// let how = Diagnose::default().without(["payload", "link_inertia"]).seed(7).simulated(false);
 /// assert_eq!(how.settings.seed, 7);
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Diagnose {
     pub settings: Settings,
-    pub signals: SignalOptions,
     pub reading: Reading,
     /// Move both twins again in the simulation.
     pub simulate: bool,
@@ -40,12 +39,7 @@ pub struct Diagnose {
 
 impl Default for Diagnose {
     fn default() -> Self {
-        Self {
-            settings: Settings::default(),
-            signals: SignalOptions::default(),
-            reading: Reading::default(),
-            simulate: true,
-        }
+        Self { settings: Settings::default(), reading: Reading::default(), simulate: true }
     }
 }
 
@@ -119,13 +113,7 @@ impl Diagnose {
         self
     }
 
-    /// Conditions both recordings so.
-    pub fn signals(mut self, signals: SignalOptions) -> Self {
-        self.signals = signals;
-        self
-    }
-
-    /// Takes both recordings so.
+    /// Takes and conditions both recordings so.
     pub fn reading(mut self, reading: Reading) -> Self {
         self.reading = reading;
         self
@@ -143,9 +131,7 @@ impl Diagnose {
     ) -> Result<Diagnosed, WorkflowError> {
         self.check()?;
         let arm = arm.into();
-        let floor_hz = self.signals.floor_hz();
-        let take = |r| self.reading.take(Cow::Borrowed(r), &arm, floor_hz, watch);
-        let (fit, check) = (take(fit)?, check.into().map(take).transpose()?);
+        let (fit, check) = self.reading.both(&arm, fit, check.into(), watch)?;
         self.on(&arm.twin, fit, check, watch)
     }
 
@@ -184,7 +170,7 @@ impl Diagnose {
         watch: &dyn Watch,
     ) -> Result<Diagnosed, WorkflowError> {
         let [fit, check] = fit.pair(check)?;
-        let how = self.signals.over(common([&fit, &check], twin.robot.dof()));
+        let how = self.reading.signals.over(common([&fit, &check], twin.robot.dof()));
         let samples = [&fit, &check].map(|r| conditioned(r, twin, &how));
         let [fit_samples, check_samples] = samples;
         let (fit_samples, check_samples) = (fit_samples?, check_samples?);

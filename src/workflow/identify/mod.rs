@@ -7,9 +7,7 @@ mod rigid_body;
 mod scaled;
 pub mod words;
 
-use std::borrow::Cow;
-
-use super::{Arm, Prepared, Reading, SignalOptions, WorkflowError, conditioned};
+use super::{Arm, Prepared, Reading, WorkflowError, conditioned};
 use crate::diagnosis;
 use crate::follow::Watch;
 use crate::identification::{
@@ -31,7 +29,8 @@ pub use scaled::{KnownLoad, Scaled};
 /// let how = Identify::default().with(["payload"]).reduce(true).seed(7);
 /// assert!(how.reduce && how.settings.seed == 7);
 /// ```
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Identify {
     /// What to fit, effects by name (`paper` is Eq. 1, [`INERTIA`] the links). Empty: what the twin lists
     /// and gives no values for; of an arm without a twin Eq. 1, rotor inertia and current offset.
@@ -45,7 +44,6 @@ pub struct Identify {
     pub settings: Settings,
     /// With [`INERTIA`]: mass of all moving links where it is known, kg.
     pub total_mass: Option<f64>,
-    pub signals: SignalOptions,
     pub reading: Reading,
 }
 
@@ -147,13 +145,7 @@ impl Identify {
         self
     }
 
-    /// Conditions all recordings so.
-    pub fn signals(mut self, signals: SignalOptions) -> Self {
-        self.signals = signals;
-        self
-    }
-
-    /// Takes all recordings so.
+    /// Takes and conditions all recordings so.
     pub fn reading(mut self, reading: Reading) -> Self {
         self.reading = reading;
         self
@@ -171,8 +163,7 @@ impl Identify {
     ) -> Result<Identified, WorkflowError> {
         self.check()?;
         let arm = arm.into();
-        let take = |r| self.reading.take(Cow::Borrowed(r), &arm, self.signals.floor_hz(), watch);
-        let (fit, check) = (take(fit)?, check.into().map(take).transpose()?);
+        let (fit, check) = self.reading.both(&arm, fit, check.into(), watch)?;
         self.on(&arm, fit, check, None, watch)
     }
 
@@ -244,7 +235,7 @@ impl Identify {
     ) -> Result<Identified, WorkflowError> {
         check.iter().try_for_each(|check| refuse_same(&fit, check))?;
         let terms = self.terms_for(arm)?;
-        let how = self.signals.over(Conditioning::default());
+        let how = self.reading.signals.over(Conditioning::default());
         let mut samples = conditioned(&fit, &arm.twin, &how)?;
         let scale = |(run, load)| self.scaled(arm, &terms, (&fit, &samples), (&run, load), &how);
         let scaled = loaded.map(scale).transpose()?;

@@ -1,5 +1,8 @@
 //! Client and server over loopback, and peers that misbehave. Nothing here waits for a clock to be exact.
 
+mod files;
+mod running;
+
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
@@ -88,7 +91,18 @@ fn controllers_that_misbehave_are_told_of_in_one_sentence() {
         assert!(rows.is_empty());
         ended.unwrap_err().to_string()
     };
-    assert!(told(drop).contains("connection"));
+    let strange = told(drop);
+    assert!(strange.contains("connection") && strange.contains("port 30004"), "{strange}");
+    let other = told(|mut socket| {
+        let _ = socket.write_all(b"HTTP/1.1 400 Bad Request\r\n\r\n");
+        let _ = socket.read(&mut [0; 64]);
+    });
+    assert!(other.contains("this is no RTDE") && other.contains("port 30004"), "{other}");
+    let old = told(|mut socket| {
+        let _ = socket.write_all(b"\x00\x04V\x00");
+        let _ = socket.read(&mut [0; 64]);
+    });
+    assert!(old.contains("does not speak protocol 2"), "{old}");
     let flood = told(|mut socket| while socket.write_all(&[b'M'; 4096]).is_ok() {});
     assert!(flood.contains("no RTDE") || flood.contains("text"), "{flood}");
     let lie = told(|mut socket| {
@@ -104,7 +118,13 @@ fn controllers_that_misbehave_are_told_of_in_one_sentence() {
     assert!(stalls.contains("nothing came for 3 s"), "{stalls}");
     let nobody = source("127.0.0.1:1".into()).open().unwrap();
     let nobody = drain(&nobody).2.unwrap_err().to_string();
-    assert!(nobody.contains("no controller answers"), "{nobody}");
+    assert!(
+        nobody.contains("no controller answers") && nobody.contains("nothing listens"),
+        "{nobody}"
+    );
+    let unnamed = source("arm..lab:30004".into()).open().unwrap();
+    let unnamed = drain(&unnamed).2.unwrap_err().to_string();
+    assert!(unnamed.contains("no machine of that name is known"), "{unnamed}");
 }
 
 #[test]
@@ -194,28 +214,4 @@ fn a_source_that_cannot_wait_counts_what_found_no_room() {
     assert_eq!(feed.waiting(), QUEUE);
     feed.stop();
     assert_eq!(drain(&feed).0.len(), QUEUE);
-}
-
-#[test]
-fn a_file_is_followed_while_it_grows() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("run.csv");
-    std::fs::write(&path, "timestamp actual_q_0\n0.0 1.5\n0.008 1.6\n0.0").unwrap();
-    let feed = follow(&path, None).unwrap();
-    let mut rows = Vec::new();
-    while rows.len() < 4 {
-        match feed.next(Duration::from_secs(10)) {
-            Some(News::Row(row)) => rows.push(row),
-            Some(News::Columns(names)) => {
-                assert_eq!(names, ["timestamp", "actual_q_0"]);
-                let mut file = std::fs::OpenOptions::new().append(true).open(&path).unwrap();
-                file.write_all(b"16 1.7\nbroken\n0.024 1.8\n").unwrap();
-            }
-            Some(News::Note(note)) => assert!(note.contains("row 5"), "{note}"),
-            other => panic!("{other:?}"),
-        }
-    }
-    assert_eq!(rows[2..], [[0.016, 1.7], [0.024, 1.8]]);
-    feed.stop();
-    assert!(drain(&feed).2.is_ok());
 }
