@@ -6,8 +6,6 @@
 //! scale of all torque, a parameter beside the others: what weighs is as uncertain as the scale it is
 //! weighed with. The ends of a window of time are told otherwise (`windows`).
 
-use nalgebra::{Cholesky, DVector};
-
 use super::candidate::{Candidate, Extent};
 use super::discrepancy::MASSES;
 use super::fit::Fit;
@@ -15,7 +13,7 @@ use super::independent::{LEVEL, independent};
 use super::{Value, windows};
 use crate::effects::{Parameter, Ratio, Role};
 use crate::regression::{Normal, Raw, System};
-use crate::statistics::{chi2_quantile, normal_quantile, student_quantile};
+use crate::statistics::{normal_quantile, student_quantile};
 
 /// Relative step of a nonlinear parameter for its slope; a hundredth of its range for zero.
 const DIFFERENCE: f64 = 1e-3;
@@ -99,21 +97,6 @@ pub fn may_be_absent(candidate: Candidate, values: &[Value]) -> bool {
         Some(_) => linear.all(holds),
         None => all.first().is_some_and(holds),
     }
-}
-
-/// Do the linear values of cause `i` together exclude its absence? Where they stand in for each other (a
-/// link's mass and its moments) each may be nothing, and not all of them: the region of all of them, in the
-/// direction in which it tells most (Scheffe, "A method for judging all contrasts", Biometrika 40, 1953).
-pub fn told_together(fit: &Fit<'_>, i: usize) -> bool {
-    let (systems, places) = information(fit);
-    let linear = fit.model.causes[i].candidate.linear();
-    let at: Vec<usize> = places[i][..linear].iter().flatten().copied().collect();
-    let x = DVector::from_iterator(at.len(), at.iter().map(|k| systems.all.x[*k]));
-    let Some(covariance) = Cholesky::new(systems.all.covariance(&at)) else { return false };
-    let most = covariance.solve(&x);
-    let direction: Vec<(usize, f64)> = at.iter().copied().zip(most.iter().copied()).collect();
-    let wider = chi2_quantile(1.0 - LEVEL, at.len()).sqrt() / normal_quantile(1.0 - LEVEL);
-    most.dot(&x) > wider * half_width(&systems, &direction)
 }
 
 /// Column of each parameter, cause by cause; `None` where it was not searched.
@@ -250,26 +233,6 @@ mod tests {
         let values = of_fit(&fit);
         let held = &values[0][0];
         assert!(held.value == 0.0 && held.low == 0.0 && held.high > 0.01, "{held:?}");
-    }
-
-    /// Of many values one or the other excludes nothing by chance; all of them together do not.
-    #[test]
-    fn values_that_stand_in_for_each_other_are_told_together() {
-        let twin = Twin::default();
-        let told = |kg: f64| {
-            let mut made = samples(6, 3000, |j, t| 0.2 * ((0.9 + 0.1 * j as f64) * t).sin());
-            let mut heavier = twin.clone();
-            heavier.robot.bodies[5].inertia.mass += kg;
-            made.torque = heavier.torque(&twin.motion(&made));
-            noisy(&mut made, 0.3);
-            let floor = noise_floor(&made, &twin);
-            let observed = Observed::new(0, &twin, &made, &floor).unwrap();
-            let data = Data::plain(vec![&observed]);
-            let links = Candidate::new(find("link_inertia").unwrap(), Place::Links(6));
-            let fit = Fit::plain(&data, Model::of(&twin).with(Term::new(links, vec![])));
-            told_together(&fit, 0)
-        };
-        assert!(!told(0.0) && told(3.0));
     }
 
     /// An amplitude is there where its sine or its cosine is.

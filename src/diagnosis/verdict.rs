@@ -120,12 +120,8 @@ impl<'a> Findings<'a> {
         let values = slow::values(&self.last);
         // Slow torque may say that nothing is there.
         let inside = |i: &usize| values[*i].first().is_none_or(|v| !v.at_bound);
-        let absent = |i: &usize| {
-            let candidate = self.last.model.causes[*i].candidate;
-            let slow = candidate.effect.outruns_motion();
-            intervals::may_be_absent(candidate, &values[*i])
-                && (slow || !intervals::told_together(&self.last, *i))
-        };
+        let absent =
+            |i: &usize| intervals::may_be_absent(self.last.model.causes[*i].candidate, &values[*i]);
         let (unsure, sure): (Vec<usize>, Vec<usize>) =
             (0..self.standings.len()).filter(inside).partition(absent);
         [sure, unsure].map(|some| {

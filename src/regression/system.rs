@@ -219,17 +219,6 @@ impl System {
         self.inverse_times(&along).dot(&along).max(0.0)
     }
 
-    /// Covariance of these parameters.
-    pub fn covariance(&self, of: &[usize]) -> DMatrix<f64> {
-        let column = |i: &usize| {
-            let mut unit = DVector::zeros(self.columns.len());
-            unit[*i] = 1.0;
-            let all = self.inverse_times(&unit);
-            DVector::from_iterator(of.len(), of.iter().map(|k| all[*k]))
-        };
-        DMatrix::from_columns(&of.iter().map(column).collect::<Vec<_>>())
-    }
-
     /// How much of parameter `i` these data tell, 0 to 1: what they narrow of the variance that is expected
     /// beforehand (MacKay, Neural Computation 4, 1992, eq. 2.11).
     pub fn determined(&self, i: usize) -> f64 {

@@ -28,9 +28,7 @@ pub use inference::{Inference, Inferences, infer};
 pub use kernel::{Bandwidth, Kernel, long_run_covariance};
 pub use long_run::{LongRun, cosine_covariance, model_covariance};
 pub use noise::{noise_from_differences, noise_from_periodogram};
-pub use tail::{
-    PValue, chi2_quantile, normal_quantile, normal_two_sided, student_quantile, student_two_sided,
-};
+pub use tail::{PValue, normal_quantile, normal_two_sided, student_quantile, student_two_sided};
 pub use whitening::Whitening;
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 
 use std::f64::consts::{LN_10, PI};
 
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::ln_gamma;
 
 /// P(|Z| > |z|) and its decimal logarithm, which stays finite where `p` is 0 (below 1e-308).
@@ -111,11 +110,6 @@ fn beta_fraction(a: f64, b: f64, x: f64) -> f64 {
 /// z with P(|Z| > z) = `alpha`: 2.5758 for 0.01.
 pub fn normal_quantile(alpha: f64) -> f64 {
     student_quantile(alpha, f64::INFINITY)
-}
-
-/// x with P(X > x) = `alpha` for `dof` degrees of freedom (at least one): 6.6349 for 0.01 and one.
-pub fn chi2_quantile(alpha: f64, dof: usize) -> f64 {
-    ChiSquared::new(dof as f64).map_or(f64::NAN, |chi2| chi2.inverse_cdf(1.0 - alpha))
 }
 
 /// t with P(|T| > t) = `alpha` for `dof` degrees of freedom, by bisection.
