@@ -1,4 +1,4 @@
-"""What watching an arm for a day takes: memory at its hours, and time of one core.
+"""What memory watching an arm for a day takes, hour by hour.
 
     python3 benches/watch_day.py [--rate 500] [--hours 24] [--armtwin target/release/armtwin] > docs/watched-day.md
 
@@ -10,7 +10,6 @@ fresh as sensors make it. The rows are written to a file (about 10 GB for a day 
 from __future__ import annotations
 
 import argparse
-import os
 import random
 import re
 import subprocess
@@ -58,11 +57,6 @@ def resident_mb(pid: int) -> float:
     return float("nan")
 
 
-def seconds_used(pid: int) -> float:
-    words = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-    return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
-
-
 def bytes_read(pid: int) -> int:
     return int(Path(f"/proc/{pid}/io").read_text().split()[1])
 
@@ -88,31 +82,30 @@ def main() -> None:
         words = ["watch", "--twin", folder / "twin.toml", "--from", day, "--follow", "--rate", f"{asked.rate}"]
         words += ["--fitted-on", first, "--history", folder / "watched", "--seconds", f"{last - 1}"]
         watching = subprocess.Popen([asked.armtwin, *words], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-        size, table, due, used = day.stat().st_size, [], 0.0, 0.0
+        size, table, due, seen = day.stat().st_size, [], 0.0, 0.0
         while watching.poll() is None:
             try:
                 hour = asked.hours * bytes_read(watching.pid) / size
                 seen = resident_mb(watching.pid)
-                used = seconds_used(watching.pid)
             except (FileNotFoundError, ProcessLookupError, IndexError):
                 break
             if hour >= due + 0.02:
-                table.append((due, seen, used))
+                table.append((due, seen))
                 due += EVERY_HOURS
             time.sleep(0.05)
         assert watching.stderr is not None
         said = watching.stderr.read().decode()
         if watching.wait() != 0:
             sys.exit(said)
-        table.append((asked.hours, seen, used))
+        table.append((asked.hours, seen))
     print("# A day of watching\n")
     print(f"Printed by `python3 benches/watch_day.py --rate {asked.rate:g} --hours {asked.hours:g}`: memory that")
-    print(f"`armtwin watch` holds, and time of one core so far, while it goes through {rows} rows of")
-    print(f"six joints at {asked.rate:g} Hz with its history, as fast as it can.\n")
-    print("| hour | MB | s of one core |")
-    print("| ---: | ---: | ---: |")
-    for hour, held, core in table:
-        print(f"| {hour:g} | {held:.0f} | {core:.0f} |")
+    print(f"`armtwin watch` holds while it goes through {rows} rows of six joints at {asked.rate:g} Hz, as fast as")
+    print("it can, with its history.\n")
+    print("| hour | MB |")
+    print("| ---: | ---: |")
+    for hour, held in table:
+        print(f"| {hour:g} | {held:.0f} |")
 
 
 if __name__ == "__main__":

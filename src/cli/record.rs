@@ -113,6 +113,23 @@ struct Done {
     words: Vec<String>,
 }
 
+/// What is done now and then. Time counts from when it was done: between two syncs of a slow disk there is
+/// time to take all rows that came meanwhile.
+struct Now {
+    every: Duration,
+    last: Instant,
+}
+
+impl Now {
+    fn is_due(&self) -> bool {
+        self.last.elapsed() >= self.every
+    }
+
+    fn done(&mut self) {
+        self.last = Instant::now();
+    }
+}
+
 /// A recording in the making; the next file begins where one is full.
 struct Making<'a> {
     args: &'a Args,
@@ -190,14 +207,8 @@ impl<'a> Making<'a> {
         stop: &Arc<AtomicBool>,
     ) -> anyhow::Result<()> {
         let spinner = std::io::stderr().is_terminal().then(|| progress::spinner("recording"));
-        let mut clocks = [Instant::now(); 3];
-        let mut due = |which: usize, every: Duration| {
-            let now = clocks[which].elapsed() >= every;
-            if now {
-                clocks[which] = Instant::now();
-            }
-            now
-        };
+        let [mut hands_over, mut settles, mut tells] =
+            [HANDS_OVER, SETTLES, TELLS].map(|every| Now { every, last: Instant::now() });
         let mut stopped = false;
         loop {
             feed.pause(TOGGLES.load(Ordering::Relaxed) % 2 == 1);
@@ -222,16 +233,19 @@ impl<'a> Making<'a> {
                 feed.stop();
             }
             if let Some(journal) = &mut self.journal {
-                if due(1, SETTLES) {
+                if settles.is_due() {
                     journal.settle()?;
-                } else if due(0, HANDS_OVER) {
+                    settles.done();
+                } else if hands_over.is_due() {
                     journal.hand_over()?;
+                    hands_over.done();
                 }
             }
-            if due(2, TELLS)
+            if tells.is_due()
                 && let Some(spinner) = &spinner
             {
                 spinner.set_message(self.state(feed));
+                tells.done();
             }
         }
     }
