@@ -34,6 +34,7 @@ pub mod resimulation;
 pub mod rigid_body;
 pub mod robot;
 pub mod series;
+pub mod servo;
 pub mod signals;
 pub mod simulation;
 pub mod statistics;

@@ -4,6 +4,7 @@
 mod out;
 
 mod accuracy;
+mod by;
 mod case_studies;
 mod compare;
 mod completions;

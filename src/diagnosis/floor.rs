@@ -105,9 +105,10 @@ fn estimate(samples: &Samples, twin: &Twin, filter: Option<&LowPass>) -> Vec<f64
             |j| local_noise(series.joint(j), samples.rate_hz(), band, &quiet_times(samples, j));
         (0..samples.joints()).into_par_iter().map(of).collect()
     };
-    let [torque, mut position] = [(&samples.torque, &quiet), (source, &motion)].map(spread);
+    let [mut torque, mut position] = [(&samples.torque, &quiet), (source, &motion)].map(spread);
     let damping = damping(samples, &motion);
     position.iter_mut().for_each(|p| *p /= damping);
+    rounded(samples, &mut torque, &mut position);
     let (g_tau, g_qdd) =
         (noise_gain(filter, |x| x), noise_gain(filter, |x| conditioned(samples, x, 1)));
     let inertia = squared_inertia(samples, twin);
@@ -116,6 +117,18 @@ fn estimate(samples: &Samples, twin: &Twin, filter: Option<&LowPass>) -> Vec<f64
         (g_tau * torque[i].powi(2) + g_qdd * carried.sum::<f64>()).sqrt()
     };
     (0..samples.joints()).map(of_joint).collect()
+}
+
+/// Where servos tell the torque, no position is better than its encoder's steps, and no torque than what the
+/// servo makes of them: N.m and rad, one value per joint.
+fn rounded(samples: &Samples, torque: &mut [f64], position: &mut [f64]) {
+    let Some(told) = &samples.told else { return };
+    for j in 0..samples.joints() {
+        let rounding = told.resolution[j] / 12f64.sqrt();
+        let slope = told.slope.joint(j).iter().fold(0.0, |m: f64, s| m.max(*s));
+        position[j] = position[j].max(rounding);
+        torque[j] = torque[j].max(slope * rounding);
+    }
 }
 
 /// Is the acceleration made from the recorded velocity?

@@ -106,6 +106,8 @@ impl<'a> Findings<'a> {
         Diagnosis {
             schema: SCHEMA.into(),
             armtwin: env!("CARGO_PKG_VERSION").into(),
+            by: crate::diagnosis::By::default(),
+            position: None,
             verdict,
             fitted_before: fitted(&self.alone),
             fitted: fitted(&self.last),

@@ -1,10 +1,14 @@
 //! Constant torque: tau = c, whatever the motion.
 
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{About, DriveKind, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
 
 pub struct CurrentOffset;
 
 impl Effect for CurrentOffset {
+    fn of_drive(&self) -> DriveKind {
+        DriveKind::Current
+    }
+
     fn about(&self) -> &'static About {
         &About {
             name: "current_offset",

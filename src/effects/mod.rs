@@ -30,6 +30,11 @@ mod presliding;
 mod quantisation;
 mod rigid;
 mod rotor_inertia;
+mod servo_damping;
+mod servo_dead_band;
+mod servo_delay;
+mod servo_gain;
+mod servo_offset;
 mod starts;
 mod state;
 mod stribeck;
@@ -49,7 +54,7 @@ mod tests;
 
 pub use catalogue::{CATALOGUE, find, names, order};
 pub use channels::Channels;
-pub use mechanism::{ControlChange, Mechanism, Transmission};
+pub use mechanism::{ControlChange, Mechanism, ServoChange, Transmission};
 pub use motion::Motion;
 pub use rigid::{Rigid, Slopes};
 pub use state::{ArmState, JointLoad, JointState};
@@ -143,6 +148,17 @@ pub enum Seen {
     Simulation,
 }
 
+/// Which drives can have an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DriveKind {
+    Any,
+    /// Those whose current is recorded: it is about that record.
+    Current,
+    /// Position servos.
+    Servo,
+}
+
 /// Does every joint have its own parameters or does the arm share one set?
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -192,6 +208,11 @@ pub trait Effect: Sync {
     /// How the effect shows where the recorded motion goes through inverse dynamics.
     fn seen(&self) -> Seen {
         Seen::Columns
+    }
+
+    /// Which drives can have it.
+    fn of_drive(&self) -> DriveKind {
+        DriveKind::Any
     }
 
     /// Explain: N.m at `joint` per unit of each linear parameter, one column of

@@ -3,7 +3,7 @@
 //! Corrected by delaying the motion as much, so that the model is shifted and not the current.
 
 use super::channels::delayed;
-use super::{About, Channels, Effect, Motion, Parameter, Role, Scope, Seen, starts};
+use super::{About, Channels, DriveKind, Effect, Motion, Parameter, Role, Scope, Seen, starts};
 
 pub struct TimeDelay;
 
@@ -29,6 +29,10 @@ static ABOUT: About = About {
 };
 
 impl Effect for TimeDelay {
+    fn of_drive(&self) -> DriveKind {
+        DriveKind::Current
+    }
+
     fn about(&self) -> &'static About {
         &ABOUT
     }

@@ -4,7 +4,8 @@
 use std::path::Path;
 
 use super::{
-    ColumnMap, Delimiter, Recording, RecordingError, bag, movement_folder, parquet_file, rtde_csv,
+    ColumnMap, Delimiter, Recording, RecordingError, bag, bam_json, lerobot, movement_folder,
+    parquet_file, rtde_csv, sage_folder,
 };
 use crate::files::{guard, is_stream};
 
@@ -30,8 +31,15 @@ pub trait Format: Sync {
 }
 
 /// Text is the last: it reads whatever is left.
-pub const FORMATS: &[&dyn Format] =
-    &[&bag::RosBag, &parquet_file::Parquet, &movement_folder::MovementFolder, &rtde_csv::RtdeCsv];
+pub const FORMATS: &[&dyn Format] = &[
+    &bag::RosBag,
+    &lerobot::Lerobot,
+    &parquet_file::Parquet,
+    &sage_folder::SageFolder,
+    &movement_folder::MovementFolder,
+    &bam_json::BamJson,
+    &rtde_csv::RtdeCsv,
+];
 
 #[derive(Debug, Clone, Default)]
 pub struct WriteOptions {

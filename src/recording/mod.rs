@@ -2,6 +2,7 @@
 //! One file per format; every reader yields the same [`Recording`].
 
 mod bag;
+mod bam_json;
 mod blocks;
 mod check;
 mod columns;
@@ -13,15 +14,19 @@ mod format;
 mod guard;
 mod halves;
 pub mod inspection;
+mod lerobot;
 mod mapped_csv;
 mod mend;
 mod movement_folder;
 mod parquet_file;
+mod parquet_lists;
 mod parquet_sizes;
 mod rtde_csv;
+mod sage_folder;
 mod table;
 mod text;
 mod thrift;
+mod whole;
 
 pub use bag::settle_effort;
 pub use check::{FEWEST_SAMPLES, JOINT_SIGNALS};

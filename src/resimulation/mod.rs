@@ -10,6 +10,7 @@ mod command;
 mod errors;
 mod open_loop;
 
+pub use arm::injections;
 pub use closed_loop::{Replayed, closed_loop};
 pub use command::command;
 pub use errors::{Errors, errors};

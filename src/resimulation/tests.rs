@@ -76,6 +76,7 @@ fn held(pose: &[f64], torque: &[f64]) -> Samples {
         qd: JointSeries::zeros(6, n),
         qdd: JointSeries::zeros(6, n),
         torque: each(torque),
+        told: None,
         sensed: None,
         temperature: None,
         usable: vec![true; n],

@@ -28,6 +28,7 @@ pub use resample::{Interpolation, UniformGrid};
 pub use savitzky_golay::SavitzkyGolay;
 pub use thin::thin;
 
+use crate::robot::Told;
 use crate::series::JointSeries;
 
 /// Choices made on the way from a recording to [`Samples`]; echoed in every output.
@@ -115,6 +116,8 @@ pub struct Samples {
     pub qdd: JointSeries,
     /// N.m at the joint, drive side.
     pub torque: JointSeries,
+    /// What position servos were told, where the torque follows from that.
+    pub told: Option<Told>,
     /// Present where velocities are recorded and the motion is made from positions.
     pub sensed: Option<Sensed>,
     /// deg C, where recorded.

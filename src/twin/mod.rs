@@ -12,7 +12,7 @@ mod parts;
 mod tests;
 
 pub use file::TwinError;
-pub use parts::{DriveTable, PerJoint, read_robot};
+pub use parts::{DriveTable, PerJoint, ServoTable, read_robot};
 
 use std::collections::BTreeMap;
 

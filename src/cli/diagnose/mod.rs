@@ -6,6 +6,7 @@ mod gap;
 mod load;
 mod output;
 mod page;
+mod position;
 mod resimulate;
 #[cfg(feature = "viewer")]
 mod scene;
@@ -18,6 +19,7 @@ use std::time::Instant;
 use anyhow::bail;
 
 use self::load::Recorded;
+use super::by::{By, ByArgs};
 use super::conditioning::ConditioningArgs;
 use super::outputs::{self, Output};
 use super::recordings::WorkArgs;
@@ -53,6 +55,8 @@ pub struct Args {
     check: Option<PathBuf>,
     #[command(flatten)]
     arm: ArmArgs,
+    #[command(flatten)]
+    by: ByArgs,
     #[command(flatten)]
     work: WorkArgs,
     /// Folder for diagnosis.json, report.html, twin.rrd and twin.toml
@@ -120,12 +124,18 @@ pub(super) struct Diagnosed {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let settings = args.settings()?;
     args.out.as_ref().map_or(Ok(()), |out| outputs::ask_in(out, &FILES))?;
-    let arm = args.arm.load()?;
-    let recordings = load::condition(args.recordings(&arm)?, &arm.twin, &args.conditioning)?;
+    let mut arm = args.arm.load()?;
+    let mut recordings = args.recordings(&arm)?;
+    let by = args.by.choose(&mut arm.twin, &mut recordings.each_mut()[..])?;
+    let recordings = load::condition(recordings, &arm.twin, &args.conditioning)?;
     let mut done = diagnose(arm.twin.clone(), recordings, settings, !args.no_simulation)?;
     let next = &mut done.diagnosis.next_experiment;
     *next = next.replace(diagnosis::TWIN, &args.arm.as_given());
     println!("{}", arm.line());
+    if by == By::Simulation {
+        println!("{}", by.line());
+        out::page(&position::page(&done.diagnosis));
+    }
     out::page(&if args.full { page::page(&done) } else { brief::page(&done) });
     if let Some(out) = &args.out {
         write(&done, out)?;

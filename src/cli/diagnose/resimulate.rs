@@ -6,6 +6,7 @@ use crate::resimulation::{
     Errors, Replayed, ResimulationError, WINDOW_S, closed_loop, command, errors,
 };
 use crate::series::JointSeries;
+use crate::servo;
 use crate::simulation::ControllerSettings;
 use crate::twin::Twin;
 
@@ -17,6 +18,10 @@ pub fn add(
     mended: &Twin,
     check: &Recorded,
 ) -> Vec<JointSeries> {
+    if check.samples.told.is_some() {
+        let simulated = servo::simulate_again(diagnosis, twin, &check.samples);
+        return simulated.unwrap_or_else(|error| not_simulated(diagnosis, &error));
+    }
     let before = mend(twin, &diagnosis.fitted_before, &[]);
     let samples = &check.samples;
     let command = match command(&check.recording, samples) {
@@ -52,7 +57,7 @@ pub fn add(
     }
 }
 
-fn not_simulated(diagnosis: &mut Diagnosis, error: &ResimulationError) -> Vec<JointSeries> {
+fn not_simulated(diagnosis: &mut Diagnosis, error: &dyn std::error::Error) -> Vec<JointSeries> {
     diagnosis.notes.push(format!("not simulated: {error}"));
     Vec::new()
 }

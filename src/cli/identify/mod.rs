@@ -7,6 +7,7 @@ mod links;
 mod page;
 mod print;
 mod scale;
+mod simulated;
 
 use std::path::{Path, PathBuf};
 
@@ -15,6 +16,7 @@ use anyhow::{Context, bail};
 use inertia::Summary;
 use scale::{LoadArgs, Scaled};
 
+use super::by::{By, ByArgs};
 use super::conditioning::ConditioningArgs;
 use super::outputs::Output;
 use super::recordings::WorkArgs;
@@ -49,11 +51,14 @@ use crate::twin::Twin;
   armtwin identify empty.csv --loaded loaded.csv --payload 2.805kg --save-twin scaled.toml
   armtwin identify fit.csv --method nlse --bounds stribeck_velocity=0.01:0.2")]
 pub struct Args {
-    /// Recording to fit: file, or folder with one log per signal
-    recording: PathBuf,
-    /// Another recording, which the fit is held against
+    /// Recording to fit: file, or folder with one log per signal; several where servos are simulated
+    #[arg(value_name = "RECORDING", required = true)]
+    recordings: Vec<PathBuf>,
+    /// Another recording, which the fit is held against (repeatable where servos are simulated)
     #[arg(long, value_name = "RECORDING")]
-    check: Option<PathBuf>,
+    check: Vec<PathBuf>,
+    #[command(flatten)]
+    by: ByArgs,
     #[command(flatten)]
     arm: ArmArgs,
     /// Estimators, in the order they are printed: swarm, least squares, posterior by Markov chains
@@ -163,19 +168,22 @@ pub(super) struct Loaded {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     args.check_inertia()?;
-    if let Some(check) = &args.check {
-        refuse_same_file(&args.recording, check)?;
+    for check in &args.check {
+        refuse_same_file(&args.recordings[0], check)?;
     }
     let mut arm = args.arm.load()?;
+    if let Some(told) = args.told(&mut arm)? {
+        return simulated::run(args, &arm, told);
+    }
     arm.scaled = !args.load.is_given();
     let terms = args.terms(&arm.twin)?;
     let conditioning = args.conditioning.conditioning();
-    let fit = args.read(&args.recording, &arm, &conditioning)?;
+    let fit = args.read(&args.recordings[0], &arm, &conditioning)?;
     let scaled = args.scaled(&arm, &terms, &fit, &conditioning)?;
     scaled.iter().for_each(|s| arm.twin.clone_from(&s.twin));
     let read = |path: &Path| args.read(path, &arm, &conditioning);
-    let fit = if scaled.is_some() { read(&args.recording)? } else { fit };
-    let check = args.check.as_deref().map(read).transpose()?;
+    let fit = if scaled.is_some() { read(&args.recordings[0])? } else { fit };
+    let check = args.check.first().map(|path| read(path)).transpose()?;
     let settings = args.settings();
     let twin = arm.twin.clone();
     let (around, located) = locate(&fit.1, &twin, &terms, &settings)?;
@@ -263,6 +271,24 @@ fn write(report: &Report<'_>) -> anyhow::Result<()> {
 }
 
 impl Args {
+    /// The first recording where position servos are to be simulated along it.
+    fn told(&self, arm: &mut Arm) -> anyhow::Result<Option<Recording>> {
+        let mut by = By::Torque;
+        let mut told = None;
+        if arm.twin.drive.servo.is_some() || self.by.forced() == Some(By::Simulation) {
+            let floor_hz = self.conditioning.floor_hz();
+            let mut first = self.work.read(&self.recordings[0], arm, floor_hz)?;
+            by = self.by.choose(&mut arm.twin, &mut [&mut first])?;
+            told = Some(first);
+        }
+        if by == By::Torque && self.recordings.len().max(self.check.len()) > 1 {
+            bail!(
+                "one recording is fitted, and one checked, where torque is recorded: name one of each"
+            );
+        }
+        Ok(told.filter(|_| by == By::Simulation))
+    }
+
     fn terms(&self, twin: &Twin) -> Result<Terms, IdentificationError> {
         let effects = |names: &[String]| -> Vec<String> {
             names.iter().filter(|name| *name != inertia::NAME).cloned().collect()

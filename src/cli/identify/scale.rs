@@ -73,7 +73,7 @@ impl Args {
         else {
             return Ok(None);
         };
-        super::refuse_same_file(&self.recording, path)?;
+        super::refuse_same_file(&self.recordings[0], path)?;
         self.refuse_unknown_loads(path)?;
         let loaded = self.read(path, arm, how)?;
         let twin = &arm.twin;

@@ -56,6 +56,15 @@ fn closed_form(name: &str) -> (Vec<f64>, Vec<[f64; 3]>, f64) {
         "encoder_offset" => (vec![0.1, 0.1], at(right_angle, 0.0, 0.0), 11.772 * f64::sin(0.1)),
         // 10 % of 3 kg x 9.81 m/s2 x 0.4 m
         "torque_constant" => (vec![0.1], at(0.0, 0.0, 0.0), 1.1772),
+        // Servos of 20 N.m/rad that are 0.1 rad behind their command: 20 % less of 2 N.m
+        "servo_gain" => (vec![-0.2], at(0.3, 0.0, 0.0), 0.4),
+        // Powered throughout: viscous friction says the same, and says it
+        "servo_damping" => (vec![0.5], at(0.0, -2.0, 0.0), 0.0),
+        // 0.03 rad of the error do nothing
+        "servo_dead_band" => (vec![0.03, 0.03], at(0.0, 0.0, 0.0), 0.6),
+        // 10 ms, half a row, of a command that rises by 0.5 rad/s x 20 ms in the row before: 5 mrad
+        "servo_delay" => (vec![0.01, 0.01], vec![[0.0; 3]; 2], 0.1),
+        "servo_offset" => (vec![-0.02], at(0.0, 0.0, 0.0), 0.4),
         _ => panic!("{name}: work out a number by hand and put it here"),
     }
 }

@@ -1,0 +1,28 @@
+//! Arms of position servos, of which command and position are recorded and no torque: the twin is led
+//! along the recorded command, and its position is compared with the recorded one.
+//!
+//! [`Plant`] steps the few joints of such an arm with dry friction as a constraint; rapier remains what it
+//! is held against. [`replay`] leads a twin along a recording. [`identify`] fits what a twin leaves open by
+//! output error over stretches that begin in measured states, [`PositionGap`] says what is left.
+
+mod error;
+mod fit;
+mod gap;
+mod judge;
+mod parameters;
+mod plant;
+mod problem;
+mod replay;
+mod stick;
+#[cfg(test)]
+mod tests;
+mod track;
+
+pub use error::ServoError;
+pub use fit::{Estimate, Fitted, Settings, identify};
+pub use gap::{JointPosition, PositionGap};
+pub use judge::simulate_again;
+pub use parameters::{Free, free_parameters};
+pub use plant::Plant;
+pub use replay::replay;
+pub use track::Track;
