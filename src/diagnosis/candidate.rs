@@ -2,7 +2,7 @@
 
 use super::observed::Observed;
 use crate::effects::{
-    self, CATALOGUE, Channels, DriveKind, Effect, Mechanism, Motion, Parameter, Role, Scope, Seen,
+    self, CATALOGUE, Channels, Effect, Mechanism, Motion, Parameter, Role, Scope, Seen,
 };
 use crate::regression::Blocks;
 use crate::rigid_body::parameters::{PER_LINK, sizes};
@@ -132,7 +132,7 @@ impl Term {
 /// wrong; not those in `without`. What lasts for a while may act in one of the `recordings` alone.
 pub fn candidates(twin: &Twin, without: &[String], recordings: &[usize]) -> Vec<Candidate> {
     let mut all = Vec::new();
-    let shows = |e: &&dyn Effect| e.seen() != Seen::Simulation && is_of(*e, twin);
+    let shows = |e: &&dyn Effect| e.seen() != Seen::Simulation && twin.can_have(*e);
     for effect in CATALOGUE.iter().copied().filter(shows) {
         let name = effect.about().name;
         let listed = twin.effects.iter().any(|n| n == name);
@@ -152,15 +152,6 @@ pub fn candidates(twin: &Twin, without: &[String], recordings: &[usize]) -> Vec<
         }
     }
     all
-}
-
-/// Can an arm with this twin's drives have the effect?
-fn is_of(effect: &dyn Effect, twin: &Twin) -> bool {
-    match effect.of_drive() {
-        DriveKind::Any => true,
-        DriveKind::Current => twin.drive.servo.is_none(),
-        DriveKind::Servo => twin.drive.servo.is_some(),
-    }
 }
 
 /// Places of an effect: each joint, and all joints alike where no parameter depends on a joint's size.
@@ -396,7 +387,7 @@ mod tests {
             let at = all.iter().filter(|c| c.name() == name).count();
             let known = twin.effects.iter().any(|e| e == name);
             let least = match effect.about().scope {
-                _ if known || effect.seen() == Seen::Simulation || !is_of(*effect, &twin) => 0,
+                _ if known || effect.seen() == Seen::Simulation || !twin.can_have(*effect) => 0,
                 Scope::Arm => 1,
                 Scope::Joint | Scope::Link => twin.robot.dof(),
             };

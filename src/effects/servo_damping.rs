@@ -1,4 +1,4 @@
-//! A position servo that brakes more than assumed while it is powered: tau = B qd.
+//! A position servo that brakes more (or less) than assumed while it is powered: tau = B qd.
 //!
 //! The motor's own voltage does it. Where the servo is never switched off it is viscous friction, and
 //! shows as that.
@@ -15,14 +15,14 @@ static ABOUT: About = About {
         name: "servo_damping",
         symbol: "B",
         unit: "N.m.s/rad",
-        min: 0.0,
+        min: -10.0,
         max: 10.0,
         typical: 0.3,
         null: 0.0,
         role: Role::Linear,
     }],
     memory: 0,
-    dissipates: true,
+    dissipates: false,
     cause: "the motor's own voltage (k^2/R through the gear), or a derivative gain of the servo",
     remedy: "give the actuator that damping (MuJoCo: position kv), the joint its friction without it",
     source: "Duclusaud, Passault, Padois, Ly, Extended friction models for the physics simulation of servo actuators, ICRA 2025",

@@ -61,7 +61,10 @@ pub struct Fitted {
     pub stop: Stop,
 }
 
-/// Rounds of weights: each joint weighs by what the last fit left of it.
+/// The first round takes stretches of this share: where a joint sticks a little earlier or later the error of
+/// long ones jumps, that of short ones hardly.
+const SHORT: f64 = 0.1;
+/// Rounds over stretches of full length: each joint weighs by what the last one left of it.
 const ROUNDS: usize = 2;
 /// Shortest recording, s.
 const SHORTEST_S: f64 = 1.0;
@@ -79,14 +82,14 @@ pub fn identify(
     if free.is_empty() {
         return Err(ServoError::NothingToFit);
     }
-    let mut problem = Problem::new(twin, tracks, free, settings.horizon_s);
+    let problem = Problem::new(twin, tracks, free, settings.horizon_s);
     let seconds = problem.samples() as f64 * tracks.first().map_or(0.0, |t| t.dt);
     if seconds < SHORTEST_S {
         return Err(ServoError::TooShort { seconds, needed: SHORTEST_S });
     }
     let x: Vec<f64> = free.iter().map(|f| f.start).collect();
     let before = gaps(&with_values(twin, free, &x), tracks, settings)?;
-    let (x, evaluations, stop) = search(&mut problem, x, settings);
+    let (problem, x, evaluations, stop) = search(problem, x, settings);
     let estimates = estimates(&problem, &x, settings)?;
     let fitted = with_values(twin, free, &x);
     let after = gaps(&fitted, tracks, settings)?;
@@ -97,32 +100,34 @@ pub fn identify(
     Ok(Fitted { estimates, twin: settled(fitted), before, after, samples, cost, evaluations, stop })
 }
 
-/// A few rounds, each joint weighed by what the last one left of it.
-fn search(
-    problem: &mut Problem<'_>,
+/// Rounds, the first over short stretches, each joint weighed by what the last one left of it.
+fn search<'a>(
+    mut problem: Problem<'a>,
     mut x: Vec<f64>,
     settings: &Settings,
-) -> (Vec<f64>, usize, Stop) {
+) -> (Problem<'a>, Vec<f64>, usize, Stop) {
     let bounds = Bounds::new(
         problem.free.iter().map(|f| f.min).collect(),
         problem.free.iter().map(|f| f.max).collect(),
     )
     .unwrap_or_else(|_| Bounds::unbounded(x.len()));
-    let mut evaluations = 0;
-    let mut stop = Stop::Evaluations;
-    for _ in 0..ROUNDS {
+    let search = Search {
+        cost_tolerance: 1e-6,
+        step_tolerance: 1e-6,
+        gradient_tolerance: 1e-8,
+        max_evaluations: settings.max_evaluations / (1 + ROUNDS),
+    };
+    let mut short =
+        Problem::new(problem.twin, problem.tracks, problem.free, SHORT * settings.horizon_s);
+    let (mut evaluations, mut stop) = (0, Stop::Evaluations);
+    for round in 0..=ROUNDS {
+        let problem = if round == 0 { &mut short } else { &mut problem };
         problem.weights = weights(problem, &x);
-        let search = Search {
-            cost_tolerance: 1e-6,
-            step_tolerance: 1e-6,
-            gradient_tolerance: 1e-8,
-            max_evaluations: settings.max_evaluations / ROUNDS,
-        };
         let found = minimise(problem, &x, &bounds, &search);
         evaluations += found.evaluations;
         (x, stop) = (found.x, found.stop);
     }
-    (x, evaluations, stop)
+    (problem, x, evaluations, stop)
 }
 
 /// 1 / rms of each joint's errors, rounding counted among them.

@@ -1,12 +1,20 @@
-//! A diagnosis of position servos, held against positions: the twin before and after it was mended, led along
-//! the command of the check recording, and without each of its causes.
+//! A diagnosis of position servos, held against positions: what the search by torque found is fitted once more
+//! by simulation, and the twin before and after, and without each cause, is led along the command of the
+//! check recording.
+
+use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::{PositionGap, ServoError, Track, replay};
+use super::{
+    Estimate, Fitted, Free, PositionGap, ServoError, Settings, Track, free_parameters, identify,
+    replay,
+};
 use crate::diagnosis::{
     By, Cause, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink, mend,
 };
+use crate::effects::{Seen, find};
+use crate::identification::levenberg_marquardt::Stop;
 use crate::series::JointSeries;
 use crate::signals::Samples;
 use crate::twin::Twin;
@@ -14,47 +22,145 @@ use crate::twin::Twin;
 /// Effects with a degree of freedom of their own.
 const ELASTIC: [&str; 2] = ["backlash", "joint_flexibility"];
 
-/// Adds to `diagnosis` what its causes bring in simulated position; returns the positions (rad) of the twin as
-/// given and of the mended one.
+/// Fits the values of what the search found, and of what the twin leaves open, once more by simulation along
+/// the `fit` recording, and adds to `diagnosis` what that brings in simulated position on the `check` recording;
+/// returns the positions (rad) of the twin as given and of the mended one.
 ///
 /// # Errors
 /// If the twin has no servos or runs away.
 pub fn simulate_again(
     diagnosis: &mut Diagnosis,
     twin: &Twin,
-    check: &Samples,
+    [fit, check]: [&Samples; 2],
 ) -> Result<Vec<JointSeries>, ServoError> {
     let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
-    let track = Track::new(check, servo)?;
-    let stretches = track.stretches(f64::INFINITY);
-    let changes = diagnosis.changes();
+    let [fit, check] = [Track::new(fit, servo)?, Track::new(check, servo)?];
     let mut notes = Vec::new();
-    let before = rigid(mend(twin, &diagnosis.fitted_before, &[]), &mut notes);
-    let with = |causes: &[Cause]| rigid(mend(twin, &diagnosis.fitted, causes), &mut Vec::new());
+    let given = rigid(mend(twin, &diagnosis.fitted_before, &[]), &mut notes);
+    let before = refit(&given, twin, &[], &fit)?;
+    keep_open(&mut diagnosis.fitted_before, twin, &before);
+    let changes = diagnosis.changes();
     let mended = rigid(mend(twin, &diagnosis.fitted, &changes), &mut notes);
-    let of = |twin: &Twin| replay(twin, &track, &stretches);
-    let (q_before, q_after) = rayon::join(|| of(&before), || of(&mended));
+    let after = refit(&mended, twin, &changes, &fit)?;
+    keep_open(&mut diagnosis.fitted, twin, &after);
+    let all = diagnosis.causes.iter_mut().chain(&mut diagnosis.adjustments);
+    all.for_each(|cause| keep_cause(cause, twin, &after.estimates));
+    let stretches = check.stretches(f64::INFINITY);
+    let of = |twin: &Twin| replay(twin, &check, &stretches);
+    let (q_before, q_after) = rayon::join(|| of(&before.twin), || of(&after.twin));
     let (q_before, q_after) = (q_before?, q_after?);
-    let gaps = [&q_before, &q_after].map(|q| PositionGap::new(&track, q));
-    let after = gaps[1].rms_rad();
-    let without = |i: usize| -> Result<PositionShrink, ServoError> {
-        let others: Vec<Cause> =
-            changes.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, c)| c.clone()).collect();
-        let before = PositionGap::new(&track, &of(&with(&others))?).rms_rad();
-        let Cause { effect, joints, .. } = changes[i].clone();
-        Ok(PositionShrink {
-            effect,
-            joints,
-            before_rad: before,
-            after_rad: after,
-            fraction: share(before, after),
-        })
+    let gaps = [&q_before, &q_after].map(|q| PositionGap::new(&check, q));
+    let rms = gaps[1].rms_rad();
+    let without = |cause: &Cause| -> Result<PositionShrink, ServoError> {
+        let twin = taken_out(&after.twin, twin, cause);
+        let before_rad = PositionGap::new(&check, &of(&twin)?).rms_rad();
+        let Cause { effect, joints, .. } = cause.clone();
+        let fraction = share(before_rad, rms);
+        Ok(PositionShrink { effect, joints, before_rad, after_rad: rms, fraction })
     };
-    let causes =
-        (0..diagnosis.causes.len()).into_par_iter().map(without).collect::<Result<_, _>>()?;
+    let causes = diagnosis.causes.par_iter().map(without).collect::<Result<_, _>>()?;
     diagnosis.notes.append(&mut notes);
     put(diagnosis, &gaps, causes);
     Ok(vec![q_before, q_after])
+}
+
+/// `start` with the values of what `twin` leaves open and of the causes fitted by simulation.
+fn refit(start: &Twin, twin: &Twin, causes: &[Cause], fit: &Track) -> Result<Fitted, ServoError> {
+    let open: Vec<String> = twin.open().map(|e| e.about().name.to_string()).collect();
+    let mut free = free_parameters(start, &open)?;
+    for cause in causes.iter().filter(|c| is_simulated(&c.effect)) {
+        let own = free_parameters(start, std::slice::from_ref(&cause.effect))?;
+        let acts = |joint: usize| cause.joints.is_empty() || cause.joints.contains(&(joint + 1));
+        let there = |f: &Free| {
+            let same = |g: &Free| (g.parameter.name, g.joint) == (f.parameter.name, f.joint);
+            free.iter().any(same)
+        };
+        let own: Vec<Free> =
+            own.into_iter().filter(|f| f.joint.is_none_or(acts) && !there(f)).collect();
+        free.extend(own);
+    }
+    if free.is_empty() {
+        let (estimates, twin) = (Vec::new(), start.clone());
+        let none = Vec::new();
+        let stop = Stop::Exact;
+        let (before, after) = (none.clone(), none);
+        return Ok(Fitted {
+            estimates,
+            twin,
+            before,
+            after,
+            samples: 0,
+            cost: 0.0,
+            evaluations: 0,
+            stop,
+        });
+    }
+    identify(
+        start,
+        std::slice::from_ref(fit),
+        &free,
+        &Settings { level: LEVEL, ..Settings::default() },
+    )
+}
+
+/// Of the intervals of a diagnosis.
+const LEVEL: f64 = 0.9;
+
+/// Does it change the simulated motion all the time, in a way that is simulated here?
+fn is_simulated(effect: &str) -> bool {
+    let known = find(effect);
+    !ELASTIC.contains(&effect)
+        && known.is_some_and(|e| e.seen() == Seen::Columns && !e.lasts_a_while())
+}
+
+/// What the twin leaves open takes the values that were fitted by simulation.
+fn keep_open(kept: &mut BTreeMap<String, Vec<f64>>, twin: &Twin, fitted: &Fitted) {
+    for parameter in twin.open().flat_map(|e| e.about().parameters) {
+        if let Some(values) = fitted.twin.values.get(parameter.name) {
+            kept.insert(parameter.name.into(), values.clone());
+        }
+    }
+}
+
+/// A cause takes the values that were fitted by simulation, less what the twin has of it.
+fn keep_cause(cause: &mut Cause, twin: &Twin, estimates: &[Estimate]) {
+    let joints = cause.joints.clone();
+    for value in &mut cause.parameters {
+        let joint = value.joint.or(joints.first().copied());
+        let own = |e: &&Estimate| e.name == value.name && (e.joint.is_none() || e.joint == joint);
+        let Some(found) = estimates.iter().find(own) else { continue };
+        let less = match cause.replaces {
+            Some(_) => 0.0,
+            None => stated(twin, found.name, found.joint.unwrap_or(1) - 1),
+        };
+        (value.value, value.low, value.high) =
+            (found.value - less, found.low - less, found.high - less);
+        value.at_bound = found.at_bound;
+    }
+}
+
+/// What a twin has of a parameter that is added to; zero where it has nothing of it.
+fn stated(twin: &Twin, name: &str, joint: usize) -> f64 {
+    let of_drive = if name == "rotor_inertia" { twin.drive.rotor_inertia[joint] } else { 0.0 };
+    twin.values.get(name).and_then(|v| v.get(joint)).copied().unwrap_or(of_drive)
+}
+
+/// The mended twin with the values of one cause as `twin` has them, all others as they are.
+fn taken_out(mended: &Twin, twin: &Twin, cause: &Cause) -> Twin {
+    let mut without = mended.clone();
+    let acts = |joint: usize| cause.joints.is_empty() || cause.joints.contains(&(joint + 1));
+    if cause.effect == "rotor_inertia" {
+        let joints = (0..twin.robot.dof()).filter(|j| acts(*j));
+        joints.for_each(|j| without.drive.rotor_inertia[j] = twin.drive.rotor_inertia[j]);
+    }
+    let Some(effect) = find(&cause.effect) else { return without };
+    for p in effect.about().parameters.iter().filter(|p| p.null.is_finite()) {
+        let Some(values) = without.values.get_mut(p.name) else { continue };
+        for (j, value) in values.iter_mut().enumerate().filter(|(j, _)| acts(*j)) {
+            *value = twin.values.get(p.name).and_then(|v| v.get(j)).copied().unwrap_or(p.null);
+        }
+    }
+    without
 }
 
 fn put(diagnosis: &mut Diagnosis, [before, after]: &[PositionGap; 2], causes: Vec<PositionShrink>) {

@@ -29,6 +29,7 @@ mod recording;
 mod rigid_body;
 mod robots;
 mod round_trip;
+mod servo;
 mod shell;
 mod simulate;
 mod study;

@@ -182,7 +182,9 @@ fn condition_with(recording: &Recording, twin: &Twin, how: &Conditioning) -> Sam
 const STRUCTURAL: [&str; 2] = ["backlash", "joint_flexibility"];
 
 fn by_columns() -> Vec<(&'static dyn Effect, f64)> {
-    let seen = CATALOGUE.iter().copied().filter(|e| e.seen() == Seen::Columns);
+    // Servos that are never switched off brake as viscous friction does.
+    let told = |e: &&'static dyn Effect| e.about().name != "servo_damping";
+    let seen = CATALOGUE.iter().copied().filter(|e| e.seen() == Seen::Columns).filter(told);
     let strengths = |e: &'static dyn Effect| match STRUCTURAL.contains(&e.about().name) {
         true => vec![(e, 1.0), (e, 2.0)],
         false => vec![(e, 1.0), (e, 0.5)],

@@ -160,12 +160,14 @@ pub(super) fn diagnose(
     let spinner = progress::spinner("searching for what the twin lacks");
     let (found, traces) =
         diagnosis::diagnose_traced(&twin, &fit.samples, &check.samples, &settings)?;
-    let mended = mend(&twin, &found.fitted, &found.changes());
+    let mut mended = mend(&twin, &found.fitted, &found.changes());
     let mut diagnosis = found;
     let mut simulated = Vec::new();
     if simulate {
         spinner.set_message("moving the twin again in the simulation");
-        simulated = resimulate::add(&mut diagnosis, &twin, &mended, &check);
+        simulated = resimulate::add(&mut diagnosis, &twin, &mended, [&fit, &check]);
+        // Servos are fitted once more by simulation.
+        mended = mend(&twin, &diagnosis.fitted, &diagnosis.changes());
     }
     spinner.finish_and_clear();
     let seconds = clock.elapsed().as_secs_f64();

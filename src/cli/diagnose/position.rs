@@ -1,7 +1,7 @@
 //! What a diagnosis of position servos says of positions.
 
 use crate::diagnosis::{Diagnosis, words};
-use crate::report::table;
+use crate::report::{paragraph, table};
 
 /// Errors of the simulated position, joint by joint, and what each cause takes off.
 pub fn page(d: &Diagnosis) -> String {
@@ -23,5 +23,7 @@ pub fn page(d: &Diagnosis) -> String {
         let [before, after] = [cause.before_rad, cause.after_rad].map(mrad);
         text += &format!("{effect}, {place}: {before} -> {after} mrad beside the other causes\n");
     }
-    text + "Torque below is what the servos give by their law, less the twin's.\n"
+    let torque = "Values are those by which the simulated position follows the fit recording best. Torque \
+                  below is what the servos give by their law, less the twin's.";
+    text + &paragraph("", torque) + "\n"
 }

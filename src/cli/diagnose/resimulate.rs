@@ -16,10 +16,10 @@ pub fn add(
     diagnosis: &mut Diagnosis,
     twin: &Twin,
     mended: &Twin,
-    check: &Recorded,
+    [fit, check]: [&Recorded; 2],
 ) -> Vec<JointSeries> {
     if check.samples.told.is_some() {
-        let simulated = servo::simulate_again(diagnosis, twin, &check.samples);
+        let simulated = servo::simulate_again(diagnosis, twin, [&fit.samples, &check.samples]);
         return simulated.unwrap_or_else(|error| not_simulated(diagnosis, &error));
     }
     let before = mend(twin, &diagnosis.fitted_before, &[]);

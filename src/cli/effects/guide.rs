@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 
 use super::{number, on, range, shows_as};
-use crate::effects::{About, CATALOGUE, Effect, Motion, Scope, Seen};
+use crate::effects::{self, About, CATALOGUE, DriveKind, Effect, Motion, Scope, Seen};
 use crate::export::{Target, export};
 use crate::robot::gravity_torque;
-use crate::robot::{Workspace, inverse_dynamics_series};
+use crate::robot::{Servo, Workspace, inverse_dynamics_series};
 use crate::series::JointSeries;
 use crate::twin::Twin;
 
@@ -59,9 +59,20 @@ fn on_what(about: &About) -> &'static str {
     }
 }
 
+/// A UR5 without effects, its motors position servos where the effect is about such.
+fn bare(about: &About) -> Twin {
+    let mut twin = Twin { effects: Vec::new(), ..Twin::default() };
+    let of_servos = effects::find(about.name).is_some_and(|e| e.of_drive() == DriveKind::Servo);
+    twin.drive.servo = of_servos.then(|| Servo::new(vec![GAIN; twin.robot.dof()]));
+    twin
+}
+
+/// N.m/rad, any will do.
+const GAIN: f64 = 1000.0;
+
 /// A UR5 that has this effect alone, at typical values.
 fn typical(about: &About) -> Twin {
-    let mut twin = Twin { effects: vec![about.name.into()], ..Twin::default() };
+    let mut twin = Twin { effects: vec![about.name.into()], ..bare(about) };
     let count = if about.scope == Scope::Arm { 1 } else { twin.robot.dof() };
     for p in about.parameters.iter().filter(|p| !p.is_reference()) {
         twin.values.insert(p.name.into(), vec![p.typical; count]);
@@ -70,8 +81,7 @@ fn typical(about: &About) -> Twin {
 }
 
 fn held(about: &About, target: Target) -> &'static str {
-    let bare = Twin { effects: Vec::new(), ..Twin::default() };
-    let without = export(&bare, target, "").text;
+    let without = export(&bare(about), target, "").text;
     let exported = export(&typical(about), target, "");
     let body = |text: &str| text.split_once("-->").map(|(_, body)| body.to_string());
     let named = exported.left.iter().any(|l| l.effect == about.name);
@@ -85,6 +95,10 @@ fn held(about: &About, target: Target) -> &'static str {
 fn looks(effect: &dyn Effect, motion: &Sines) -> String {
     if effect.seen() != Seen::Columns {
         return shows_as(effect.seen()).into();
+    }
+    if effect.of_drive() == DriveKind::Servo {
+        return "a position that its command does not explain, where position servos are recorded"
+            .into();
     }
     let twin = typical(effect.about());
     let all = &motion.samples;
