@@ -64,7 +64,7 @@ impl Track {
 
     /// Stretches without a gap, of `seconds` at most, as ranges of samples.
     pub fn stretches(&self, seconds: f64) -> Vec<std::ops::Range<usize>> {
-        let most = ((seconds / self.dt) as usize).max(2);
+        let most = ((seconds / self.dt).min(self.len() as f64) as usize).max(2);
         let mut all = Vec::new();
         for run in crate::signals::runs(&self.usable) {
             let mut from = run.start;

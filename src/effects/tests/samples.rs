@@ -54,13 +54,13 @@ pub fn pendulum() -> Robot {
     arm
 }
 
-/// Servos told to be 0.1 rad ahead and to go on at 0.5 rad/s; they are off in the last samples of many.
+/// Servos told to be 0.1 rad ahead and to go on at 0.5 rad/s; they are off in the first samples of many.
 fn told(q: &JointSeries, qd: &JointSeries) -> Told {
     let servo = Servo::new(vec![20.0; q.joints()]);
     let ahead = |q: &[f64]| -> Vec<f64> {
         q.iter().enumerate().map(|(k, q)| q + 0.1 + 0.5 * DT * k as f64).collect()
     };
-    let on = |q: &[f64]| (0..q.len()).map(|k| if k < 50 { 1.0 } else { 0.0 }).collect();
+    let on = |q: &[f64]| (0..q.len()).map(|k| if k + 50 < q.len() { 0.0 } else { 1.0 }).collect();
     let powered = Some(q.map_joints(|_, q| on(q)));
     let settings = servo::Settings { register: None, powered };
     servo.told(q.map_joints(|_, q| ahead(q)), q, qd, &settings, DT).0
@@ -76,7 +76,7 @@ pub struct Samples {
     pub qd: JointSeries,
     pub qdd: JointSeries,
     pub temperature: JointSeries,
-    /// What servos of 20 N.m/rad were told; the last half second without power.
+    /// What servos of 20 N.m/rad were told; at first without power.
     pub told: Told,
 }
 
