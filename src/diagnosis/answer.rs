@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Episode;
 use super::criteria::Criteria;
+use crate::effects::{self, Ratio};
 
 /// The answer in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -190,6 +191,35 @@ pub enum By {
     Torque,
     /// Position servos: command and position.
     Simulation,
+}
+
+impl Cause {
+    /// The values as people read them: a ratio stands in place of the parameter that it is made from (a load's
+    /// centre of mass), and what refines an effect is left out where its interval holds that it is not there.
+    pub fn read(&self) -> Vec<&Value> {
+        let own = |name: &str| self.parameters.iter().find(|v| v.name == name);
+        let effect = effects::find(&self.effect);
+        let given: Vec<&Ratio> = self.ratios().collect();
+        let of_effect = effect.map_or(&[][..], |e| e.about().parameters);
+        let faint = |v: &Value| {
+            let detail = of_effect.iter().find(|p| p.name == v.name).filter(|p| p.is_detail());
+            detail.is_some_and(|p| v.low <= p.null && p.null <= v.high)
+        };
+        let listed = self.parameters.iter().filter(|v| given.iter().all(|r| r.name != v.name));
+        let in_place =
+            |v: &'_ Value| given.iter().find(|r| r.of == v.name).and_then(|r| own(r.name));
+        listed.filter(|v| !faint(v)).map(|v| in_place(v).unwrap_or(v)).collect()
+    }
+
+    /// Are some of its values read as ratios?
+    pub fn has_ratios(&self) -> bool {
+        self.ratios().next().is_some()
+    }
+
+    fn ratios(&self) -> impl Iterator<Item = &'static Ratio> {
+        let all = effects::find(&self.effect).map_or(&[][..], |e| e.readable());
+        all.iter().filter(|r| self.parameters.iter().any(|v| v.name == r.name))
+    }
 }
 
 /// A value that the twin states and that is another.

@@ -194,6 +194,11 @@ impl Candidate {
         }
     }
 
+    /// How many sets of values it has.
+    pub fn sets(&self) -> usize {
+        self.place.each().len()
+    }
+
     /// Values of set `k` among those of all its sets.
     fn own<'v>(&self, values: &'v [f64], k: usize) -> &'v [f64] {
         let count = values.len() / self.place.each().len().max(1);
@@ -226,8 +231,7 @@ impl Candidate {
         (0..self.place.each().len()).any(|k| self.effect.is_itself(self.own(linear, k)))
     }
 
-    /// How large the linear values can be expected to be, standard deviations; empty where nothing is
-    /// known beforehand.
+    /// How large the linear values can be expected to be, standard deviations ([`Effect::expected`]).
     pub fn expected(&self, twin: &Twin) -> Vec<f64> {
         let each = self.place.each().flat_map(|j| self.effect.expected(&twin.robot, j));
         each.map(|size| self.spread * size).collect()

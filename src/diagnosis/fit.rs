@@ -293,7 +293,7 @@ fn priors(data: &Data<'_>, model: &Model, columns: &[Raw]) -> Vec<f64> {
 }
 
 /// How large the linear parameters of a candidate with these columns are expected to be, standard
-/// deviations: as its effect says; else as gives the torque that effects are expected to have, at the
+/// deviations: as its effect says; where it does not, as gives the torque that effects are expected to have, at the
 /// joint where that is reached first.
 pub fn expected(data: &Data<'_>, candidate: Candidate, columns: &[Raw]) -> Vec<f64> {
     let known = candidate.expected(data.twin);
@@ -310,10 +310,8 @@ pub fn expected(data: &Data<'_>, candidate: Candidate, columns: &[Raw]) -> Vec<f
         let largest = (0..data.joints()).map(relative).fold(0.0, f64::max);
         if largest > 0.0 { EXPECTED_SHARE / largest } else { 1.0 }
     };
-    match known.len() == columns.len() && !known.is_empty() {
-        true => known,
-        false => columns.iter().map(of).collect(),
-    }
+    let known = |i: usize| known.get(i).copied().filter(|size| size.is_finite());
+    columns.iter().enumerate().map(|(i, c)| known(i).unwrap_or_else(|| of(c))).collect()
 }
 
 #[cfg(test)]

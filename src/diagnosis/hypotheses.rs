@@ -52,17 +52,20 @@ impl<'a> Standing<'a> {
     }
 
     /// What the data alone say of a hypothesis, whatever was expected of its values: its likelihood at
-    /// their best, over that without it, less 1/2 ln n for each (Schwarz, Ann. Stat. 6, 1978), nats.
+    /// their best, over that without it, less 1/2 ln n for each that they tell (Schwarz, Ann. Stat. 6, 1978), nats.
     /// Beside the discrepancy that it leaves or that the cause leaves: a narrow expectation enlarges it.
     pub fn shown(&self, h: &Hypothesis<'a>) -> f64 {
         let term = Term { free: true, ..h.trial.term() };
-        let values = term.held.iter().filter(|held| !**held).count() + term.searched.len();
+        let last = h.fit.model.causes.len() - 1;
+        let linear = h.fit.model.range(last).zip(&term.held).filter(|(_, held)| !**held);
+        let told: f64 = linear.map(|(i, _)| h.fit.system.determined(i)).sum();
+        let values = told + term.searched.len() as f64;
         let data = self.without.data;
         let all = |fit: &Fit<'a>| (0..data.joints()).map(|j| fit.ln_likelihood(j)).sum::<f64>();
         let own = Fit::new(data, self.without.model.with(term), h.fit.sizes.clone());
         let best = all(&own).max(all(&own.beside(self.cause().fit.sizes.clone())));
         let rows: f64 = (0..data.joints()).map(|j| data.count(j)).sum();
-        best - all(&self.without) - 0.5 * values as f64 * rows.max(1.0).ln()
+        best - all(&self.without) - 0.5 * values * rows.max(1.0).ln()
     }
 }
 

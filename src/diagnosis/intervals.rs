@@ -10,7 +10,7 @@ use super::candidate::{Candidate, Extent};
 use super::discrepancy::MASSES;
 use super::fit::Fit;
 use super::{Value, slow, windows};
-use crate::effects::{Parameter, Role};
+use crate::effects::{Parameter, Ratio, Role};
 use crate::regression::{Normal, Raw, System};
 use crate::statistics::{effective_samples, normal_quantile, student_quantile};
 
@@ -45,7 +45,7 @@ pub(super) fn of_fit(fit: &Fit<'_>) -> Vec<Vec<Value>> {
             windows.as_ref()?.iter().find(at).map(|(_, ends)| *ends)
         };
         let value = |(k, ((p, joint), value)): (usize, ((&Parameter, Option<usize>), f64))| {
-            let half = places[i][k].map_or(0.0, |column| half_width(&systems, column));
+            let half = places[i][k].map_or(0.0, |column| half_width(&systems, &[(column, 1.0)]));
             let [low, high] = window(k).unwrap_or([value - half, value + half]);
             let [min, max] = candidate.range(k, fit.data.twin);
             let near = 1e-3 * (max - min).min(1e6);
@@ -62,9 +62,39 @@ pub(super) fn of_fit(fit: &Fit<'_>) -> Vec<Vec<Value>> {
             }
         };
         let own = parameters.filter(|(_, ((p, _), _))| !p.is_reference());
-        own.map(value).collect()
+        let mut all: Vec<Value> = own.map(value).collect();
+        let stated = candidate.stated(fit.data.twin);
+        all.extend(ratios(candidate, &all, &stated, &places[i], &systems));
+        all
     };
     (0..fit.model.causes.len()).map(cause).collect()
+}
+
+/// What is read in place of linear parameters: quotients h / m, with intervals by their slopes 1 / m over h and
+/// -h / m^2 over m. `stated`: what the twin has of the values, which are changes of it.
+fn ratios(
+    candidate: Candidate,
+    values: &[Value],
+    stated: &[f64],
+    places: &[Option<usize>],
+    systems: &Systems,
+) -> Vec<Value> {
+    let known = |name: &str| {
+        let k = candidate.parameters().position(|(p, _)| p.name == name)?;
+        Some((values.get(k)?.value + stated.get(k).unwrap_or(&0.0), places[k]?))
+    };
+    let ratio = |r: &Ratio| {
+        let ((h, of), (m, over)) = (known(r.of)?, known(r.over)?);
+        if m == 0.0 || candidate.sets() > 1 {
+            return None;
+        }
+        let value = h / m;
+        let half = half_width(systems, &[(of, 1.0 / m), (over, -value / m)]);
+        let (name, unit) = (r.name.into(), r.unit.into());
+        let [low, high] = [value - half, value + half];
+        Some(Value { name, joint: None, unit, value, low, high, at_bound: false })
+    };
+    candidate.effect.readable().iter().filter_map(ratio).collect()
 }
 
 /// Do the intervals of a cause hold its absence? All of its linear values may then be none at all; of a
@@ -150,14 +180,15 @@ struct Systems {
 /// other is left out, where that is more: the parameters of a load are wrong by what any joint's scale and
 /// links are (the jackknife with Student's t: Efron, "The jackknife, the bootstrap and other resampling
 /// plans", 1982, section 3).
-fn half_width(systems: &Systems, column: usize) -> f64 {
+fn half_width(systems: &Systems, direction: &[(usize, f64)]) -> f64 {
     let Systems { all, scaled, without } = systems;
-    let own = all.variance(column);
-    let by_rows = scaled.as_ref().map_or(own, |s| s.variance(column));
-    let by_rows = normal_quantile(1.0 - LEVEL) * by_rows.sqrt();
+    let variance = |s: &System| s.variance_along(direction);
+    let value = |s: &System| direction.iter().map(|(i, factor)| factor * s.x[*i]).sum::<f64>();
+    let own = variance(all);
+    let by_rows = normal_quantile(1.0 - LEVEL) * scaled.as_ref().map_or(own, variance).sqrt();
     let n = without.len() as f64;
-    let told = |s: &&System| s.variance(column) < UNTOLD * own;
-    let moved = without.iter().filter(told).map(|s| (s.x[column] - all.x[column]).powi(2));
+    let told = without.iter().filter(|s| variance(s) < UNTOLD * own);
+    let moved = told.map(|s| (value(s) - value(all)).powi(2));
     let by_joints = ((n - 1.0) / n.max(1.0) * moved.sum::<f64>()).max(0.0).sqrt();
     match n > 1.0 {
         true => by_rows.max(student_quantile(1.0 - LEVEL, n - 1.0) * by_joints),

@@ -139,6 +139,37 @@ mod tests {
         assert_eq!(found.causes[0].effect, "payload");
     }
 
+    /// A long tool is no point at its centre: its inertia is a value of the load, and no link is called heavier
+    /// beside it.
+    #[test]
+    fn a_load_that_is_spread_out_is_one_load() {
+        let mut arm = Twin::default();
+        arm.effects.push("payload".into());
+        let inertia = [("xx", 0.12), ("yy", 0.12), ("zz", 0.005)];
+        let values = [("mass", 2.0), ("moment_x", 0.0), ("moment_y", 0.0), ("moment_z", 0.3)];
+        for (name, value) in values {
+            arm.values.insert(format!("payload_{name}"), vec![value]);
+        }
+        for (axis, value) in inertia {
+            arm.values.insert(format!("payload_inertia_{axis}"), vec![value]);
+        }
+        let found = diagnosed(&arm);
+        let [cause] = &found.causes[..] else { panic!("{:?}", found.causes) };
+        let told = |name: &str| cause.read().into_iter().find(|v| v.name == name).cloned();
+        let holds = |name: &str, truth: f64| {
+            let value = told(name).unwrap_or_else(|| panic!("no {name}: {cause:?}"));
+            assert!(value.low <= truth && truth <= value.high, "{value:?}");
+        };
+        assert_eq!(cause.effect, "payload");
+        for (name, truth) in [("payload_mass", 2.0), ("payload_centre_z", 0.15)] {
+            holds(name, truth);
+        }
+        for (axis, truth) in &inertia[..2] {
+            holds(&format!("payload_inertia_{axis}"), *truth);
+        }
+        assert!(told("payload_moment_z").is_none() && told("payload_inertia_xy").is_none());
+    }
+
     #[test]
     fn sets_of_values_are_kept_apart() {
         let twin = Twin::default();

@@ -92,6 +92,7 @@ fn keep_physical(twin: &mut Twin) {
         values.for_each(|v| *v = v.max(p.min));
     }
     twin.drive.rotor_inertia.iter_mut().for_each(|inertia| *inertia = inertia.max(0.0));
+    twin.keep_possible();
 }
 
 #[cfg(test)]

@@ -83,6 +83,15 @@ pub fn complete(
     Ok(values)
 }
 
+/// How large a linear parameter that the whole arm has can be expected to be, in its unit; `None` where nothing is
+/// known beforehand.
+pub fn expected_of_arm(robot: &Robot, parameter: &str) -> Option<f64> {
+    let place = |e: &&dyn Effect| e.about().parameters.iter().position(|p| p.name == parameter);
+    let of_arm = CATALOGUE.iter().copied().filter(|e| e.about().scope == Scope::Arm);
+    let (effect, i) = of_arm.into_iter().find_map(|e| Some((e, place(&e)?)))?;
+    effect.expected(robot, 0).get(i).copied().filter(|size| size.is_finite())
+}
+
 /// What a parameter is; data, so that command line, docs, scenario keys and tests follow from it.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Parameter {
@@ -107,10 +116,15 @@ impl Parameter {
         self.name.ends_with("_reference")
     }
 
-    /// The value where a file leaves it out: references and the shapes of curves may be.
+    /// The value where a file leaves it out: references, the shapes of curves and how a load is spread may be.
     pub fn left_out(&self) -> Option<f64> {
-        let may = self.is_reference() || self.name.ends_with("_exponent");
-        may.then_some(self.typical)
+        let usual = self.is_reference() || self.name.ends_with("_exponent");
+        usual.then_some(self.typical).or(self.is_detail().then_some(self.null))
+    }
+
+    /// Does it refine an effect, so that it is only spoken of where data show it?
+    pub fn is_detail(&self) -> bool {
+        self.name.contains("_inertia_")
     }
 
     /// Is it beyond anything that a fit or a slip of units can give: a thousand times the bounds?
@@ -121,6 +135,25 @@ impl Parameter {
     /// The nearest value within the bounds.
     pub fn clamp(&self, value: f64) -> f64 {
         value.clamp(self.min, self.max)
+    }
+}
+
+/// What people read in place of a linear parameter: it, over another one. A load's centre is its first
+/// moment over its mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ratio {
+    pub name: &'static str,
+    pub unit: &'static str,
+    /// Names of the linear parameters.
+    pub of: &'static str,
+    pub over: &'static str,
+}
+
+impl Ratio {
+    /// The ratio that is read in place of the parameter of this name.
+    pub fn replacing(parameter: &str) -> Option<Self> {
+        let mut all = CATALOGUE.iter().flat_map(|e| e.readable());
+        all.find(|r| r.of == parameter).copied()
     }
 }
 
@@ -267,8 +300,16 @@ pub trait Effect: Sync {
         linear.first().is_some_and(|first| *first != 0.0)
     }
 
+    /// Explain: what people read in place of linear parameters.
+    fn readable(&self) -> &'static [Ratio] {
+        &[]
+    }
+
+    /// Moves `values` to the nearest that a machine can have, where bounds of each do not say it.
+    fn keep_physical(&self, _values: &mut [f64]) {}
+
     /// Explain: how large the linear parameters at `joint` can be expected to be, standard
-    /// deviations; empty where nothing is known beforehand.
+    /// deviations, infinite for those of which nothing is known beforehand; empty where that is all.
     fn expected(&self, _robot: &Robot, _joint: usize) -> Vec<f64> {
         Vec::new()
     }

@@ -1,20 +1,22 @@
-//! A load at the flange: tau = Y_flange(q, qd, qdd) [m, m cx, m cy, m cz].
+//! A load at the flange, a rigid body: tau = Y_flange(q, qd, qdd) [m, m cx, m cy, m cz, I].
 //!
-//! A compact load: a point mass as far as rotation goes. Its second moment S = m c c^T is not linear
-//! in m and h = m c. The columns take it at a reference centre r, S = r h^T + h r^T - m r r^T,
+//! I is the inertia about the centre of mass, along the flange's axes. What m c c^T adds to it is not
+//! linear in m and h = m c. The columns take it at a reference centre r, S = r h^T + h r^T - m r r^T,
 //! which is exact for c = r (fit again with r = h / m).
 
-use nalgebra::{Matrix3, Vector3};
+use std::ops::Range;
 
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, starts};
-use crate::robot::Placement;
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+
+use super::{About, Effect, Mechanism, Motion, Parameter, Ratio, Role, Scope, starts};
+use crate::robot::{Placement, Robot};
 use crate::series::JointSeries;
 
 pub struct Payload;
 
 static ABOUT: About = About {
     name: "payload",
-    law: "tau = Y_flange(q, qd, qdd) [m, m cx, m cy, m cz]",
+    law: "tau = Y_flange(q, qd, qdd) [m, m cx, m cy, m cz, I]",
     scope: Scope::Arm,
     parameters: &[
         Parameter {
@@ -30,6 +32,12 @@ static ABOUT: About = About {
         moment("payload_moment_x", "m cx", 0.0),
         moment("payload_moment_y", "m cy", 0.0),
         moment("payload_moment_z", "m cz", 0.14),
+        inertia("payload_inertia_xx", "Ixx", 0.008),
+        inertia("payload_inertia_yy", "Iyy", 0.008),
+        inertia("payload_inertia_zz", "Izz", 0.008),
+        inertia("payload_inertia_xy", "Ixy", 0.0),
+        inertia("payload_inertia_xz", "Ixz", 0.0),
+        inertia("payload_inertia_yz", "Iyz", 0.0),
         reference("payload_x_reference", "rx"),
         reference("payload_y_reference", "ry"),
         reference("payload_z_reference", "rz"),
@@ -37,7 +45,7 @@ static ABOUT: About = About {
     memory: 0,
     dissipates: false,
     cause: "a tool or load at the flange that the twin does not carry",
-    remedy: "add a body of this mass and centre of mass at the flange (tool0)",
+    remedy: "add a body of this mass, centre of mass and inertia at the flange (tool0)",
     source: "Khalil, Gautier, Lemoine, ICRA 2007; Atkeson, An, Hollerbach, IJRR 5(3), 1986",
 };
 
@@ -55,10 +63,26 @@ impl Effect for Payload {
         starts::grid(ABOUT.parameters, &[])
     }
 
+    fn readable(&self) -> &'static [Ratio] {
+        &CENTRE
+    }
+
+    /// Of the inertia alone.
+    fn expected(&self, robot: &Robot, _: usize) -> Vec<f64> {
+        let inertia = SHARE_OF_MASS * robot.mass() * (SHARE_OF_REACH * robot.reach()).powi(2);
+        [[f64::INFINITY; 4].as_slice(), &[inertia; 6]].concat()
+    }
+
+    fn keep_physical(&self, values: &mut [f64]) {
+        let Some(own) = values.get_mut(INERTIA) else { return };
+        let i = possible(symmetric(own));
+        own.copy_from_slice(&[i.m11, i.m22, i.m33, i.m12, i.m13, i.m23]);
+    }
+
     fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
         if linear[0] > LIGHTEST_KG {
             let references = ABOUT.parameters.iter().filter(|p| p.is_reference());
-            for ((r, moment), p) in nonlinear.iter_mut().zip(&linear[1..]).zip(references) {
+            for ((r, moment), p) in nonlinear.iter_mut().zip(&linear[MOMENT]).zip(references) {
                 *r = p.clamp(moment / linear[0]);
             }
         }
@@ -70,14 +94,16 @@ impl Effect for Payload {
         let body = motion.regressor(last);
         let combine = |p: [f64; 10]| weighted_sum(&body, &p);
         let reference = Vector3::from_column_slice(reference);
-        flange_parameters(&robot.flange, reference).map(combine).to_vec()
+        let point = flange_parameters(&robot.flange, reference);
+        point.into_iter().chain(rotational(&robot.flange)).map(combine).collect()
     }
 
     fn build(&self, values: &[f64], _: usize, mechanism: &mut Mechanism) {
         let mass = values[0];
         if mass > 0.0 {
-            let com = Vector3::new(values[1], values[2], values[3]) / mass;
-            mechanism.robot = mechanism.robot.with_payload(mass, com, Matrix3::zeros());
+            let com = Vector3::from_column_slice(&values[MOMENT]) / mass;
+            let about_com = possible(symmetric(&values[INERTIA]));
+            mechanism.robot = mechanism.robot.with_payload(mass, com, about_com);
         }
     }
 }
@@ -87,10 +113,54 @@ const fn moment(name: &'static str, symbol: &'static str, typical: f64) -> Param
     Parameter { name, symbol, unit: "kg.m", min: -3.0, max: 3.0, typical, null: 0.0, role }
 }
 
+/// About the centre of mass; a load in a file is a point where it has none. What a body can have is no range of
+/// single values ([`Effect::keep_physical`]).
+const fn inertia(name: &'static str, symbol: &'static str, typical: f64) -> Parameter {
+    let role = Role::Linear;
+    Parameter { name, symbol, unit: "kg.m2", min: -1.0, max: 1.0, typical, null: 0.0, role }
+}
+
 /// m
 const fn reference(name: &'static str, symbol: &'static str) -> Parameter {
     let (role, null) = (Role::Nonlinear, f64::NAN);
     Parameter { name, symbol, unit: "m", min: -5.0, max: 5.0, typical: 0.0, null, role }
+}
+
+/// Places of the first moments and of the inertia among the values.
+const MOMENT: Range<usize> = 1..4;
+const INERTIA: Range<usize> = 4..10;
+
+const CENTRE: [Ratio; 3] = [
+    centre("payload_centre_x", "payload_moment_x"),
+    centre("payload_centre_y", "payload_moment_y"),
+    centre("payload_centre_z", "payload_moment_z"),
+];
+
+const fn centre(name: &'static str, of: &'static str) -> Ratio {
+    Ratio { name, unit: "m", of, over: "payload_mass" }
+}
+
+/// How large a load can be expected to be, relative to the arm's mass; and its radius of gyration relative to the
+/// arm's reach, that of a rod a third as long.
+const SHARE_OF_MASS: f64 = 0.1;
+const SHARE_OF_REACH: f64 = 0.1;
+
+/// From xx, yy, zz, xy, xz, yz.
+fn symmetric(i: &[f64]) -> Matrix3<f64> {
+    Matrix3::new(i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2])
+}
+
+/// The nearest inertia that a body can have: its second moment tr(I) 1 / 2 - I is nowhere negative
+/// (Traversaro et al., IROS 2016), so that no principal moment is larger than the others together.
+fn possible(inertia: Matrix3<f64>) -> Matrix3<f64> {
+    let second = SymmetricEigen::new(Matrix3::identity() * (0.5 * inertia.trace()) - inertia);
+    if second.eigenvalues.iter().all(|s| *s >= 0.0) {
+        return inertia;
+    }
+    let axes = second.eigenvectors;
+    let kept =
+        axes * Matrix3::from_diagonal(&second.eigenvalues.map(|s| s.max(0.0))) * axes.transpose();
+    Matrix3::identity() * kept.trace() - kept
 }
 
 /// Below this mass (kg) moments say nothing about a centre.
@@ -108,6 +178,15 @@ fn flange_parameters(flange: &Placement, reference: Vector3<f64>) -> [[f64; 10];
     [mass, moment(axis(0)), moment(axis(1)), moment(axis(2))]
 }
 
+/// The last body's ten inertial parameters per unit of each component of a load's inertia about its centre.
+fn rotational(flange: &Placement) -> [[f64; 10]; 6] {
+    std::array::from_fn(|k| {
+        let unit: [f64; 6] = std::array::from_fn(|i| f64::from(i == k));
+        let i = flange.rotation * symmetric(&unit) * flange.rotation.transpose();
+        [0.0, 0.0, 0.0, 0.0, i.m11, i.m12, i.m22, i.m13, i.m23, i.m33]
+    })
+}
+
 /// From mass, first moment and second moment S (integral of x x^T dm): inertia = tr(S) 1 - S.
 fn parameters(mass: f64, h: Vector3<f64>, s: Matrix3<f64>) -> [f64; 10] {
     let i = Matrix3::identity() * s.trace() - s;
@@ -122,4 +201,29 @@ fn weighted_sum(columns: &[JointSeries; 10], weights: &[f64; 10]) -> JointSeries
         }
         sum
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A thin plate has the largest moment that the two others allow; more is taken back to it, and what
+    /// is possible stays.
+    #[test]
+    fn no_inertia_is_one_that_no_body_has() {
+        let kept = |inertia: [f64; 6]| {
+            let mut values = [&[2.0, 0.0, 0.0, 0.1], &inertia[..], &[0.0, 0.0, 0.05]].concat();
+            Payload.keep_physical(&mut values);
+            symmetric(&values[INERTIA])
+        };
+        let plate = [0.01, 0.02, 0.03, 0.0, 0.0, 0.0];
+        assert_eq!(kept(plate), symmetric(&plate));
+        for wrong in [[0.01, 0.02, 0.3, 0.0, 0.0, 0.0], [-0.01, 0.02, 0.02, 0.001, 0.0, 0.03]] {
+            let mut moments: Vec<f64> =
+                kept(wrong).symmetric_eigenvalues().iter().copied().collect();
+            moments.sort_by(f64::total_cmp);
+            assert!(moments[0] >= -1e-12, "{moments:?}");
+            assert!(moments[2] <= moments[0] + moments[1] + 1e-12, "{moments:?}");
+        }
+    }
 }

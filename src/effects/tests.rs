@@ -36,7 +36,8 @@ fn draw(effect: &dyn Effect, rng: &mut ChaCha8Rng) -> Vec<f64> {
     // No link may weigh less than nothing.
     let least = |p: &Parameter| if p.unit == "kg" { p.min.max(0.0) } else { p.min };
     let inside = |p: &Parameter| least(p) + (p.max - least(p)) * rng.random_range(0.05..0.95);
-    let drawn: Vec<f64> = effect.about().parameters.iter().map(inside).collect();
+    let mut drawn: Vec<f64> = effect.about().parameters.iter().map(inside).collect();
+    effect.keep_physical(&mut drawn);
     let place = |name| effect.about().parameters.iter().position(|p| p.name == name);
     let own = |i: &usize| !effect.about().parameters[*i].is_reference();
     complete(effect, |name| place(name).filter(own).map(|i| drawn[i])).unwrap()
@@ -204,7 +205,9 @@ fn references_follow_the_fitted_values() {
     }
     let payload = |mass: f64| {
         let mut reference = [0.0; 3];
-        find("payload").unwrap().settle(&[mass, 0.1, 0.0, 0.2], &mut reference);
+        find("payload")
+            .unwrap()
+            .settle(&[&[mass, 0.1, 0.0, 0.2], &[0.0; 6][..]].concat(), &mut reference);
         reference
     };
     assert_eq!(payload(2.0), [0.05, 0.0, 0.1]);

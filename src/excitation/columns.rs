@@ -171,9 +171,7 @@ fn effect_sizes(
     joint: usize,
 ) -> Vec<f64> {
     let expected = effect.expected(robot, joint);
-    if expected.len() == linear.len() && expected.iter().all(|x| *x > 0.0) {
-        return expected;
-    }
+    let expected = |i: usize| expected.get(i).copied().filter(|x| x.is_finite() && *x > 0.0);
     let like = |p: &Parameter| {
         let same = linear.iter().filter(|o| o.unit == p.unit).map(|o| o.typical.abs());
         match (p.typical.abs(), same.fold(0.0, f64::max)) {
@@ -182,5 +180,5 @@ fn effect_sizes(
             _ => 0.01 * (p.max - p.min),
         }
     };
-    linear.iter().map(|p| like(p)).collect()
+    linear.iter().enumerate().map(|(i, p)| expected(i).unwrap_or_else(|| like(p))).collect()
 }

@@ -3,9 +3,9 @@
 
 use std::fmt::Write;
 
-use nalgebra::{Rotation3, UnitQuaternion};
+use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
 
-use super::plan::{JointPlan, Left, Load, Plan};
+use super::plan::{JointPlan, Left, Plan};
 use super::{escape, number, numbers};
 use crate::robot::urdf::visual::{self, Cylinder, Shape};
 use crate::robot::{Inertia, Placement, Robot, Servo};
@@ -146,18 +146,32 @@ fn geom(c: &Cylinder, depth: usize) -> String {
     format!("{pad}<geom size=\"{size}\" {}/>\n", placement(&c.placement))
 }
 
+/// Principal axes at the centre of mass, and the moments about them: MuJoCo takes no `fullinertia` that is
+/// only just possible (a point, a rod).
+fn principal_axes(inertia: &Inertia) -> (Placement, [f64; 3]) {
+    let eigen = SymmetricEigen::new(inertia.about_com);
+    let mut rotation: Matrix3<f64> = eigen.eigenvectors;
+    if rotation.determinant() < 0.0 {
+        rotation.column_mut(2).neg_mut();
+    }
+    let moments = eigen.eigenvalues.map(|i| i.max(0.0));
+    (Placement { rotation, translation: inertia.com }, moments.into())
+}
+
 /// Where tools are bolted on; a load there is a body of its own.
-fn flange(flange: &Placement, load: Option<&Load>, pad: &str) -> String {
+fn flange(flange: &Placement, load: Option<&Inertia>, pad: &str) -> String {
     let place = placement(flange);
     let mut text = format!("{pad}  <site name=\"tool0\" {place} size=\"0.01\"/>\n");
     if let Some(load) = load {
+        let (principal, moments) = principal_axes(load);
         let _ = write!(
             text,
             "{pad}  <body name=\"payload\" {place}>\n\
-             {pad}    <inertial pos=\"{}\" mass=\"{}\" diaginertia=\"0 0 0\"/>\n\
+             {pad}    <inertial {} mass=\"{}\" diaginertia=\"{}\"/>\n\
              {pad}  </body>\n",
-            numbers(&load.com),
-            number(load.mass)
+            placement(&principal),
+            number(load.mass),
+            numbers(&moments)
         );
     }
     text

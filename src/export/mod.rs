@@ -7,7 +7,7 @@ mod plan;
 mod tests;
 mod urdf;
 
-pub use plan::{JointPlan, Left, Load, Plan};
+pub use plan::{JointPlan, Left, Plan};
 
 use crate::twin::Twin;
 

@@ -5,8 +5,8 @@ use std::fmt;
 use nalgebra::Vector3;
 use serde::{Serialize, Serializer};
 
-use crate::effects::{About, Effect, Parameter, Role, Scope};
-use crate::robot::{Robot, Servo};
+use crate::effects::{About, Effect, Mechanism, Parameter, Role, Scope};
+use crate::robot::{Inertia, Placement, Robot, Servo};
 use crate::twin::Twin;
 
 pub struct Plan {
@@ -14,21 +14,13 @@ pub struct Plan {
     pub robot: Robot,
     /// Gravity before the tilt, m/s^2: what the world has.
     pub level_gravity: Vector3<f64>,
-    pub payload: Option<Load>,
+    /// At the flange, in its frame.
+    pub payload: Option<Inertia>,
     pub joints: Vec<JointPlan>,
     /// Position servos as they are, in place of motors that are told a current.
     pub servo: Option<Servo>,
     /// What no simulator's file has an element for.
     pub left: Vec<Left>,
-}
-
-/// A point mass at the flange.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Load {
-    /// kg
-    pub mass: f64,
-    /// m, in the flange's frame
-    pub com: Vector3<f64>,
 }
 
 /// One joint; torques in N.m at the joint.
@@ -129,18 +121,24 @@ impl Plan {
                 torque_limit: twin.drive.largest_torque(j).min(mechanism.torque_limit[j]),
             }
         };
-        let mass = value("payload_mass", 0);
-        let moment = ["payload_moment_x", "payload_moment_y", "payload_moment_z"];
-        let moment = Vector3::from(moment.map(|name| value(name, 0)));
         Self {
             joints: (0..twin.robot.dof()).map(joint).collect(),
             servo: twin.drive.servo.as_ref().map(|assumed| mechanism.servos(assumed)),
             robot: mechanism.robot,
             level_gravity: twin.robot.gravity,
-            payload: (mass > 0.0).then(|| Load { mass, com: moment / mass }),
+            payload: load(twin),
             left: left(twin),
         }
     }
+}
+
+/// What a twin carries at its flange, in the flange's frame.
+fn load(twin: &Twin) -> Option<Inertia> {
+    let mut bare = Mechanism::new(Robot { flange: Placement::identity(), ..twin.robot.clone() });
+    bare.robot.bodies.iter_mut().for_each(|b| b.inertia = Inertia::zero());
+    let effect = twin.known().find(|e| e.about().name == "payload")?;
+    effect.build(&twin.values_at(effect, 0)?, 0, &mut bare);
+    bare.robot.bodies.last().map(|b| b.inertia).filter(|i| i.mass > 0.0)
 }
 
 fn left(twin: &Twin) -> Vec<Left> {

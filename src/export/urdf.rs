@@ -1,7 +1,8 @@
 //! URDF: corrected links, payload and tilt as links, `<dynamics>` for friction; no drive.
 
-use super::plan::{JointPlan, Left, Load, Plan};
-use super::{number, numbers};
+use super::number;
+use super::plan::{JointPlan, Left, Plan};
+use crate::robot::Inertia;
 use crate::robot::urdf::{self, Additions};
 
 /// What of a [`Plan`] URDF has no element for.
@@ -73,15 +74,12 @@ fn dynamics(joint: &JointPlan) -> String {
     format!("    <dynamics damping=\"{damping}\" friction=\"{friction}\"/>\n")
 }
 
-/// A point mass, bolted to the flange.
-fn payload(load: &Load) -> String {
+/// Bolted to the flange.
+fn payload(load: &Inertia) -> String {
     format!(
-        "  <link name=\"payload\">\n    <inertial>\n      <origin xyz=\"{}\" rpy=\"0 0 0\"/>\n      \
-             <mass value=\"{}\"/>\n      <inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" \
-             izz=\"0\"/>\n    </inertial>\n  </link>\n  <joint name=\"payload_fixed_joint\" \
+        "  <link name=\"payload\">\n{}  </link>\n  <joint name=\"payload_fixed_joint\" \
              type=\"fixed\">\n    <parent link=\"{}\"/>\n    <child link=\"payload\"/>\n  </joint>\n",
-        numbers(&load.com),
-        number(load.mass),
+        urdf::inertial(load),
         Additions::TOOL,
     )
 }

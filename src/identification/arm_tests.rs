@@ -16,8 +16,9 @@ fn arm(shared: &[f64]) -> ArmProblem {
         .enumerate()
         .map(|(j, p)| (0..shared.len()).map(|k| column(j, k, p.samples())).collect())
         .collect();
+    let names = ["mass", "moment_x", "moment_y", "moment_z"];
     let parameter = |k: usize| Parameter {
-        name: if k == 0 { "payload_mass".into() } else { format!("payload_{k}") },
+        name: format!("payload_{}", names[k]),
         unit: "kg".into(),
         lower: if k == 0 { 0.0 } else { -3.0 },
         upper: 15.0,

@@ -277,8 +277,9 @@ impl Assembly<'_> {
                 Some(l) if l.shows() => all.extend(Regressor::of_tangent(l.tangent(columns))),
                 Some(_) => {}
                 None => {
-                    let each = linear.map(searched).zip(columns(&nonlinear));
-                    all.extend(each.map(|(p, c)| Regressor::linear(p, c)));
+                    let each = linear.zip(columns(&nonlinear));
+                    let fitted = each.filter(|(p, _)| self.terms.fits(p));
+                    all.extend(fitted.map(|(p, c)| Regressor::linear(searched(p), c)));
                 }
             }
         }

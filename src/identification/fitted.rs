@@ -47,6 +47,7 @@ pub fn fitted_twin(
         fitted.effects.retain(|e| e != "rotor_inertia");
         fitted.values.remove("rotor_inertia");
     }
+    fitted.keep_possible();
     Ok(fitted)
 }
 

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector, Vector4};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::assemble::{ArmProblem, reduce};
@@ -15,6 +15,7 @@ use super::judge::{self, LEVEL};
 use super::problem::{JointProblem, Parameter};
 use super::terms::Terms;
 use super::{Found, MethodResult, ParameterEstimate, shared};
+use crate::effects::expected_of_arm;
 use crate::kernels::{axpy, dot};
 use crate::regression::qr::{Qr, unexplained};
 use crate::rigid_body::{BaseParameters, Estimate, Information, estimate, parameters};
@@ -33,6 +34,7 @@ pub struct Inertial {
     pub sizes: DVector<f64>,
     /// Where they begin among the shared parameters.
     first: usize,
+    robot: Robot,
 }
 
 /// Base parameters are searched within this many times the size that the model's links could have.
@@ -47,7 +49,7 @@ impl Inertial {
         let base = BaseParameters::of(&twin.robot, terms.contains("rotor_inertia"));
         let model = base.values(&parameters::of(&twin.robot));
         let sizes = base.sizes(&twin.robot);
-        Self { base, model, sizes, first: 0 }
+        Self { base, model, sizes, first: 0, robot: twin.robot.clone() }
     }
 
     /// Adds the base parameters to what the joints of `arm` share. Their values are those of the whole
@@ -167,12 +169,14 @@ impl Inertial {
         (0..shared).filter(move |i| !own.contains(i))
     }
 
-    /// Others are within the range they are searched in, as far as a normal density says that.
+    /// Others are as large as can be expected of them, or else within the range they are searched in, as far
+    /// as a normal density says that.
     pub fn with_ranges(&self, arm: &ArmProblem, mut said: Information) -> Information {
         for (k, i) in self.others(arm.shared.len()).enumerate() {
-            let Parameter { lower, upper, .. } = arm.shared[i];
+            let Parameter { name, lower, upper, .. } = &arm.shared[i];
             let place = self.base.len() + k;
-            let precision = (2.0 / (upper - lower)).powi(2);
+            let size = expected_of_arm(&self.robot, name).unwrap_or(0.5 * (upper - lower));
+            let precision = size.powi(-2);
             said.gram[(place, place)] += precision;
             said.pull[place] += precision * 0.5 * (lower + upper);
         }
@@ -204,52 +208,6 @@ pub fn share(
         }));
     });
     Ok(())
-}
-
-/// A payload as sure as the links let it be: their errors look like a load's, so that its rows in
-/// `results` become those of a fit with uncertain links. Returns how uncertain these data call for, as
-/// a share of a mass; `None` without a payload in `arm`, or where a link of the model is impossible.
-///
-/// # Errors
-/// As [`super::assemble`].
-pub fn payload_beside_links(
-    arm: &ArmProblem,
-    samples: &Samples,
-    twin: &Twin,
-    terms: &Terms,
-    results: &mut [MethodResult],
-) -> Result<Option<f64>, IdentificationError> {
-    let Some(place) = arm.shared.iter().position(|p| p.name == "payload_mass") else {
-        return Ok(None);
-    };
-    let (mut inertial, mut arm) = (Inertial::of(twin, terms), arm.clone());
-    inertial.attach(&mut arm, samples, twin)?;
-    let found = Found::of(&arm)?;
-    let Some(links) = inertial.links(&arm, &found, &twin.robot, None) else { return Ok(None) };
-    let first = links.parameters.len() + place;
-    let [mass, x, y, z]: [f64; 4] = std::array::from_fn(|i| links.others[place + i]);
-    if mass <= 0.0 {
-        return Ok(None);
-    }
-    let centre = [x, y, z].map(|h| h / mass);
-    let covariance = links.covariance.fixed_view::<4, 4>(first, first).into_owned();
-    for row in results.iter_mut().flat_map(|r| &mut r.arm) {
-        let axis = ["payload_centre_x", "payload_centre_y", "payload_centre_z"]
-            .iter()
-            .position(|name| *name == row.name);
-        // c = h / m, and its slopes over m and h.
-        let (value, slope) = match axis {
-            Some(k) => {
-                let mut slope = Vector4::zeros();
-                (slope[0], slope[k + 1]) = (-centre[k] / mass, 1.0 / mass);
-                (centre[k], slope)
-            }
-            None if row.name == "payload_mass" => (mass, Vector4::x()),
-            None => continue,
-        };
-        judge::set(row, value, slope.dot(&(covariance * slope)).sqrt());
-    }
-    Ok(Some(links.spread))
 }
 
 /// What one joint says of the shared parameters: `left` is its problem without their torque.

@@ -1,6 +1,7 @@
 //! Links that are not the model's, in torque made by hand.
 
 use super::*;
+use crate::identification::payload_beside_links;
 use crate::identification::{BoundsByName, Method, Settings, assemble, identify};
 use crate::rigid_body::is_possible;
 use crate::signals::testing::{noisy, samples};

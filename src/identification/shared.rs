@@ -6,7 +6,7 @@
 //! normal equations by blocks). Stribeck velocities and noise levels sigma_j follow from fitting
 //! each joint to what phi leaves; a few rounds converge.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::arm::Prepared;
@@ -15,6 +15,7 @@ use super::error::IdentificationError;
 use super::judge::{self, WithExcess};
 use super::problem::{JointProblem, Parameter};
 use super::{Found, ParameterEstimate, separable};
+use crate::effects::Ratio;
 use crate::kernels::axpy;
 use crate::regression::bounded;
 use crate::regression::bounds::Bounds;
@@ -222,37 +223,37 @@ impl Stack {
     }
 }
 
-/// Is it a payload: mass and first moments?
-fn is_payload(arm: &ArmProblem) -> bool {
-    arm.shared.len() == 4 && arm.shared[0].name == "payload_mass"
-}
-
-/// The shared parameters as people read them: a payload's centre instead of its first moments.
+/// The shared parameters as people read them: ratios in place of some (a payload's centre of mass in place of
+/// its first moments).
 fn readable(arm: &ArmProblem, phi: &[f64]) -> (Vec<Parameter>, Vec<f64>) {
-    if !is_payload(arm) {
-        return (arm.shared.clone(), phi.to_vec());
+    let (mut parameters, mut x) = (arm.shared.clone(), phi.to_vec());
+    for (i, over, ratio) in ratios(arm) {
+        let (name, unit) = (ratio.name.into(), ratio.unit.into());
+        parameters[i] = Parameter { name, unit, lower: -1.0, upper: 1.0 };
+        x[i] = if phi[over] > 0.0 { phi[i] / phi[over] } else { 0.0 };
     }
-    let mut parameters = arm.shared.clone();
-    for (p, axis) in parameters[1..].iter_mut().zip(["x", "y", "z"]) {
-        let name = format!("payload_centre_{axis}");
-        *p = Parameter { name, unit: "m".into(), lower: -1.0, upper: 1.0 };
-    }
-    let centre = phi[1..].iter().map(|moment| if phi[0] > 0.0 { moment / phi[0] } else { 0.0 });
-    (parameters, std::iter::once(phi[0]).chain(centre).collect())
+    (parameters, x)
 }
 
-/// d torque / d readable parameters at joint `j`: with moments m c, d/dm = P_m + c . P_mc and
-/// d/dc = m P_mc.
+/// Those of the shared parameters that are read as ratios: its place, and that of what it is divided by.
+pub(super) fn ratios(arm: &ArmProblem) -> Vec<(usize, usize, Ratio)> {
+    let place = |name: &str| arm.shared.iter().position(|p| p.name == name);
+    let ratio = |(i, p): (usize, &Parameter)| {
+        let ratio = Ratio::replacing(&p.name)?;
+        Some((i, place(ratio.over)?, ratio))
+    };
+    arm.shared.iter().enumerate().filter_map(ratio).collect()
+}
+
+/// d torque / d readable parameters at joint `j`. With moments h = m c, d/dm = P_m + c . P_h and
+/// d/dc = m P_h.
 fn readable_columns(arm: &ArmProblem, j: usize, phi: &[f64]) -> Vec<Vec<f64>> {
-    let columns = &arm.shared_columns[j];
-    if !is_payload(arm) {
-        return columns.clone();
-    }
-    let matrix = DMatrix::from_columns(
-        &columns.iter().map(|c| DVector::from_column_slice(c)).collect::<Vec<_>>(),
-    );
+    let mut columns = arm.shared_columns[j].clone();
     let (_, x) = readable(arm, phi);
-    let mass = matrix.column(0) + matrix.columns(1, 3) * DVector::from_column_slice(&x[1..]);
-    let moments = (1..4).map(|k| (matrix.column(k) * phi[0]).as_slice().to_vec());
-    std::iter::once(mass.as_slice().to_vec()).chain(moments).collect()
+    for (i, over, _) in ratios(arm) {
+        let own = std::mem::take(&mut columns[i]);
+        axpy(x[i], &own, &mut columns[over]);
+        columns[i] = own.into_iter().map(|v| phi[over] * v).collect();
+    }
+    columns
 }

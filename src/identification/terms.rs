@@ -12,11 +12,14 @@ pub const PAPER_LAW: [&str; 5] =
 #[derive(Clone)]
 pub struct Terms {
     fitted: Vec<&'static dyn Effect>,
+    /// Are parameters fitted that refine an effect?
+    details: bool,
 }
 
 impl Terms {
-    /// Terms by catalogue name; `paper` is short for Eq. 1 and `offset` for `current_offset`. Where a
-    /// Stribeck curve is fitted, so is the Coulomb level it bends.
+    /// Terms by catalogue name; `paper` is short for Eq. 1 and `offset` for `current_offset`; with
+    /// `payload_inertia` a payload is no point at its centre. Where a Stribeck curve is fitted, so is the Coulomb
+    /// level it bends.
     ///
     /// # Errors
     /// For a name that is not in the catalogue, or none at all.
@@ -24,21 +27,30 @@ impl Terms {
         names: impl IntoIterator<Item = &'a str>,
     ) -> Result<Self, IdentificationError> {
         let mut wanted = Vec::new();
+        let mut details = false;
         for name in names {
             match name.trim() {
                 "paper" => wanted.extend(PAPER_LAW),
                 "offset" => wanted.push("current_offset"),
                 "stribeck" => wanted.extend(["stribeck", "coulomb"]),
+                "payload_inertia" => {
+                    details = true;
+                    wanted.push("payload");
+                }
                 other => wanted.push(other),
             }
         }
         if let Some(unknown) = wanted.iter().find(|n| effects::find(n).is_none()) {
-            let known = format!("{}, paper, offset", effects::names());
+            let known = format!("{}, payload_inertia, paper, offset", effects::names());
             return Err(IdentificationError::UnknownTerm { name: unknown.to_string(), known });
         }
         let is_wanted = |e: &&'static dyn Effect| wanted.contains(&e.about().name);
         let fitted: Vec<_> = effects::CATALOGUE.iter().copied().filter(is_wanted).collect();
-        if fitted.is_empty() { Err(IdentificationError::NoTerms) } else { Ok(Self { fitted }) }
+        if fitted.is_empty() {
+            Err(IdentificationError::NoTerms)
+        } else {
+            Ok(Self { fitted, details })
+        }
     }
 
     /// Eq. 1, rotor inertia and current offset: what a real arm needs at least.
@@ -105,6 +117,11 @@ impl Terms {
             open.drive.rotor_inertia.fill(0.0);
         }
         open
+    }
+
+    /// Is this parameter of a term fitted?
+    pub fn fits(&self, parameter: &Parameter) -> bool {
+        self.details || !parameter.is_detail()
     }
 
     pub fn names(&self) -> Vec<&'static str> {

@@ -21,7 +21,7 @@ use super::inertia::{Inertial, share};
 use super::judge::LEVEL;
 use super::problem::Parameter;
 use super::terms::Terms;
-use crate::effects::{self, Effect};
+use crate::effects::{self, Effect, Role};
 use crate::rigid_body::{Estimate, Information, estimate, estimate_within, parameters, possible};
 use crate::robot::{Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
@@ -173,7 +173,6 @@ impl Scale<'_> {
         let Some(payload) = effects::find("payload").filter(|_| loaded) else { return twin };
         let mass = self.load.mass_kg;
         let values = std::iter::once(mass).chain(state.moment);
-        let values = values.chain(state.moment.map(|h| h / mass));
         for (p, value) in payload.about().parameters.iter().zip(values) {
             twin.values.insert(p.name.into(), vec![value]);
         }
@@ -252,8 +251,9 @@ impl Scale<'_> {
 
 /// Torque per unit of the load's first moments where its centre is now.
 fn moment_columns(payload: &dyn Effect, twin: &Twin, samples: &Samples) -> Vec<JointSeries> {
-    let centre = twin.values_at(payload, 0).unwrap_or_default();
-    let reference = centre.get(4..).unwrap_or_default();
+    let values = twin.values_at(payload, 0).unwrap_or_default();
+    let linear = payload.about().parameters.iter().filter(|p| p.role == Role::Linear).count();
+    let reference = values.get(linear..).unwrap_or_default();
     payload.reach(&twin.motion(samples), 0, reference).drain(1..4).collect()
 }
 

@@ -209,9 +209,21 @@ impl System {
 
     /// Variance of parameter `i`, given the weights.
     pub fn variance(&self, i: usize) -> f64 {
-        let mut unit = DVector::zeros(self.columns.len());
-        unit[i] = 1.0;
-        self.inverse_times(&unit)[i].max(0.0)
+        self.variance_along(&[(i, 1.0)])
+    }
+
+    /// Variance of a sum of parameters, each times a factor.
+    pub fn variance_along(&self, direction: &[(usize, f64)]) -> f64 {
+        let mut along = DVector::zeros(self.columns.len());
+        direction.iter().for_each(|(i, factor)| along[*i] = *factor);
+        self.inverse_times(&along).dot(&along).max(0.0)
+    }
+
+    /// How much of parameter `i` these data tell, 0 to 1: what they narrow of the variance that is expected
+    /// beforehand (MacKay, Neural Computation 4, 1992, eq. 2.11).
+    pub fn determined(&self, i: usize) -> f64 {
+        let expected = self.priors[i].powi(2);
+        if expected.is_finite() { (1.0 - self.variance(i) / expected).clamp(0.0, 1.0) } else { 1.0 }
     }
 
     /// New columns, with standard deviations known beforehand.

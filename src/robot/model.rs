@@ -151,6 +151,12 @@ impl Robot {
         self.bodies.iter().map(|b| b.inertia.mass).sum()
     }
 
+    /// m, from the base to the flange with every joint's offset laid end to end.
+    pub fn reach(&self) -> f64 {
+        let offsets = self.bodies.iter().map(|b| b.joint.placement.translation.norm());
+        offsets.sum::<f64>() + self.flange.translation.norm()
+    }
+
     /// The arm with a load bolted to its flange: mass in kg, centre of mass in m and inertia about
     /// it in kg.m2, both in the flange's frame.
     pub fn with_payload(&self, mass: f64, com: Vector3<f64>, about_com: Matrix3<f64>) -> Self {

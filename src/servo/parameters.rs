@@ -42,7 +42,8 @@ pub fn free_parameters(twin: &Twin, effects: &[String]) -> Result<Vec<Free>, Ser
             Scope::Arm => vec![None],
             _ => (0..twin.robot.dof()).map(Some).collect(),
         };
-        let searched = |p: &&Parameter| !p.is_reference() && !p.name.ends_with("_exponent");
+        let searched =
+            |p: &&Parameter| !p.is_reference() && !p.is_detail() && !p.name.ends_with("_exponent");
         for joint in joints {
             for parameter in about.parameters.iter().filter(searched) {
                 let start = start(twin, parameter, joint.unwrap_or(0));

@@ -184,8 +184,12 @@ fn proportions(
             let height = rng.random_range(0.03..0.12);
             let aside = rng.random_range(-0.02..0.02);
             let centre = [aside, -0.5 * aside, height];
-            let values = [&[1.0], &centre[..], &centre[..]].concat();
-            (values, factor(&[0, 1, 2, 3], 5.0))
+            // A box: the inertia of 1 kg about its centre.
+            let [a, b, c]: [f64; 3] =
+                std::array::from_fn(|_| rng.random_range(0.02_f64..0.2).powi(2));
+            let inertia = [b + c, a + c, a + b, 0.0, 0.0, 0.0].map(|sides| sides / 12.0);
+            let values = [&[1.0], &centre[..], &inertia[..], &centre[..]].concat();
+            (values, factor(&[0, 1, 2, 3, 4, 5, 6], 5.0))
         }
         "link_inertia" => {
             let mut moment = || 0.06 * rng.random_range(-1.0..1.0);

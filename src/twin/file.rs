@@ -101,6 +101,7 @@ impl Twin {
 
     /// Refuses links that, with the loads and changes that are known, are not like those of a machine.
     fn refuse_absurd_links(&self) -> Result<(), Wrong> {
+        self.refuse_impossible()?;
         let wrong = |key: &str, joint: usize, problem: String| {
             (format!("twin.values.{key}"), format!("is impossible: link {}'s {problem}", joint + 1))
         };

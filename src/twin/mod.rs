@@ -7,6 +7,7 @@ mod correct;
 mod file;
 mod named;
 mod parts;
+mod possible;
 
 #[cfg(test)]
 mod tests;

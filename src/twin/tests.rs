@@ -76,6 +76,10 @@ fn absurd_values_are_refused() {
     };
     assert!(parse(&load("40")).is_ok(), "beyond the catalogue's range, but no nonsense");
     assert_refused(&load("1e300"), &["twin.values.payload_mass"]);
+    let spread =
+        |zz: &str| load(&format!("2\npayload_inertia_xx = 0.01\npayload_inertia_zz = {zz}"));
+    assert!(parse(&spread("0.01")).is_ok(), "a rod");
+    assert_refused(&spread("0.05"), &["twin.values.payload_inertia", "no body", "the nearest"]);
     let links = |kg: &str| {
         let moments = "link_moment_x = 0\nlink_moment_y = 0\nlink_moment_z = 0";
         with("link_inertia", &format!("link_mass = [0, {kg}, 0, 0, 0, 0]\n{moments}"))

@@ -46,7 +46,8 @@ impl Case {
             .filter(|p| p.is_reference())
             .for_each(|p| drop(table.remove(p.name)));
         for p in about.parameters.iter().filter(|p| p.role == Role::Linear) {
-            let scaled = match &table[p.name] {
+            let Some(value) = table.get(p.name) else { continue };
+            let scaled = match value {
                 PerJoint::All(x) => PerJoint::All(strength * x),
                 PerJoint::Each(x) => PerJoint::Each(x.iter().map(|x| strength * x).collect()),
             };

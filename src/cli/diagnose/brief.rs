@@ -2,7 +2,7 @@
 
 use super::Diagnosed;
 use super::page::titled;
-use crate::diagnosis::{Cause, Diagnosis, words};
+use crate::diagnosis::{Cause, Diagnosis, Value, words};
 use crate::report::diagnosis as rows;
 use crate::report::{paragraph, table, to_uncertainty};
 
@@ -48,7 +48,7 @@ fn causes(d: &Diagnosis) -> String {
     if d.causes.is_empty() {
         return String::new();
     }
-    let rows = table(&CAUSES, 2, d.causes.iter().map(cause));
+    let rows = table(&CAUSES, 2, d.causes.iter().flat_map(cause));
     let same = d.causes.iter().filter(|c| !c.equivalent.is_empty()).map(|c| {
         let others: Vec<String> = c.equivalent.iter().map(rows::named).collect();
         paragraph("", &format!("{} looks the same as {}", c.effect, others.join("; ")))
@@ -56,18 +56,31 @@ fn causes(d: &Diagnosis) -> String {
     format!("{rows}\n{}", same.collect::<String>())
 }
 
-fn cause(c: &Cause) -> Vec<String> {
+/// A row of the foremost value; of what people read as ratios (a load and its centre) a row of each value.
+fn cause(c: &Cause) -> Vec<Vec<String>> {
+    let all = c.read();
+    let values = match c.has_ratios() {
+        true => all,
+        false => words::foremost(c).into_iter().collect(),
+    };
     let name = format!("{}, {}", c.effect, words::place(&c.joints));
     let [sure, share] = [c.probability, c.shrink.fraction].map(words::percent);
-    let (parameter, values) = match words::foremost(c) {
-        Some(v) => {
-            let unit = if v.unit == "-" { String::new() } else { format!(", {}", v.unit) };
-            (words::parameter(v) + &unit, to_uncertainty(v.value, v.low, v.high))
-        }
-        None => (String::new(), Default::default()),
+    let first = |k: usize, text: &String| if k == 0 { text.clone() } else { String::new() };
+    let row = |(k, cells): (usize, [String; 4])| {
+        let [parameter, value, low, high] = cells;
+        vec![first(k, &name), parameter, value, low, high, first(k, &sure), first(k, &share)]
     };
-    let [value, low, high] = values;
-    vec![name, parameter, value, low, high, sure, share]
+    let cells: Vec<[String; 4]> = match values.is_empty() {
+        true => vec![Default::default()],
+        false => values.into_iter().map(value).collect(),
+    };
+    cells.into_iter().enumerate().map(row).collect()
+}
+
+fn value(v: &Value) -> [String; 4] {
+    let unit = if v.unit == "-" { String::new() } else { format!(", {}", v.unit) };
+    let [value, low, high] = to_uncertainty(v.value, v.low, v.high);
+    [words::parameter(v) + &unit, value, low, high]
 }
 
 fn how_far(d: &Diagnosis) -> String {

@@ -19,7 +19,7 @@ fn cause(c: &Cause) -> String {
     );
     let mut header = rows::PARAMETERS;
     header[0] = "  parameter";
-    let rows = table(&header, 2, c.parameters.iter().map(parameter));
+    let rows = table(&header, 2, c.read().into_iter().map(parameter));
     text += &format!("{rows}\n");
     let s = &c.shrink;
     text += &paragraph(

@@ -59,8 +59,8 @@ fn summary(done: &Diagnosed) -> String {
 
 fn cause(c: &Cause) -> String {
     let rows: Vec<Vec<String>> = c
-        .parameters
-        .iter()
+        .read()
+        .into_iter()
         .map(|v| {
             let [value, low, high] = to_uncertainty(v.value, v.low, v.high);
             vec![words::parameter(v), v.unit.clone(), value, format!("{low} .. {high}")]

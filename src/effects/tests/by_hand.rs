@@ -42,8 +42,12 @@ fn closed_form(name: &str) -> (Vec<f64>, Vec<[f64; 3]>, f64) {
         // 0.05 x 3 kg x 9.81 m/s2 x 0.4 m cos 60 deg
         "load_friction" => (vec![0.05], at(std::f64::consts::FRAC_PI_3, 0.1, 0.0), 0.2943),
         // (2 kg x 0.5 m + 0.1 kg.m) x 9.81 m/s2 held level, plus the inertia
-        // 2 kg (0.55 m)^2 at 3 rad/s2
-        "payload" => (vec![2.0, 0.1, 0.0, 0.0, 0.05, 0.0, 0.0], at(0.0, 0.0, 3.0), 10.791 + 1.815),
+        // 2 kg (0.55 m)^2 + 0.02 kg.m2 at 3 rad/s2
+        "payload" => {
+            let inertia = [0.01, 0.02, 0.015, 0.0, 0.0, 0.0];
+            let values = [&[2.0, 0.1, 0.0, 0.0], &inertia[..], &[0.05, 0.0, 0.0]].concat();
+            (values, at(0.0, 0.0, 3.0), 10.791 + 1.875)
+        }
         // 0.1 kg.m x 9.81 m/s2 held level
         "link_inertia" => (vec![0.0, 0.1, 0.0, 0.0], at(0.0, 0.0, 0.0), 0.981),
         // -20 N at 0.5 m

@@ -19,4 +19,4 @@ mod xml;
 
 pub use chain::Chain;
 pub use read::{Loaded, read, read_file};
-pub use write::{Additions, stand, write, write_with};
+pub use write::{Additions, inertial, stand, write, write_with};

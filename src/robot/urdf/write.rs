@@ -101,7 +101,8 @@ fn link(
     text + "  </link>\n"
 }
 
-fn inertial(inertia: &Inertia) -> String {
+/// The `<inertial>` element of a link.
+pub fn inertial(inertia: &Inertia) -> String {
     let i = &inertia.about_com;
     format!(
         "    <inertial>\n      <origin xyz=\"{}\" rpy=\"0 0 0\"/>\n      <mass value=\"{}\"/>\n      \

@@ -21,7 +21,7 @@ fn one(c: &Cause) -> Markup {
     html! {
         h3 { (c.effect) " at " (words::place(&c.joints)) ": probability " (words::percent(c.probability)) }
         p { (sentence(&c.cause)) }
-        (table(&rows::PARAMETERS, 2, c.parameters.iter().map(rows::parameter)))
+        (table(&rows::PARAMETERS, 2, c.read().into_iter().map(rows::parameter)))
         p {
             "On the check recording, added to the others, beside what no cause explains: "
             (format!("{check_before_nm:.3} → {check_after_nm:.3} N.m, "))
