@@ -28,7 +28,7 @@ shot() {
 # page FILE.html NAME WIDTHxHEIGHT: the first screen of a report.
 page() {
     chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --user-data-dir="$work/browser" \
-        --virtual-time-budget=10000 --window-size="${3/x/,}" --screenshot="$work/$2.png" \
+        --virtual-time-budget=60000 --window-size="${3/x/,}" --screenshot="$work/$2.png" \
         "file://$1" 2>/dev/null
     shrink "$2" "$3"
 }

@@ -1,6 +1,8 @@
 //! Output files: under their final name only when whole, over nothing that armtwin did not write
 //! ([`guard`]), and without a trace of them where the program is interrupted.
 
+mod digest;
+mod growing;
 pub mod guard;
 
 use std::fs::{self, File, OpenOptions};
@@ -10,6 +12,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
+pub use digest::{sha256, sha256_of_file};
+pub use growing::Growing;
 pub use guard::may_write;
 
 /// Writes through `fill` into a temporary neighbour of `path`, then renames it. Standard output (`-`),
@@ -127,7 +131,7 @@ struct Temporary(Option<NamedTempFile>);
 impl Temporary {
     fn beside(path: &Path) -> io::Result<Self> {
         let mut open = open_files();
-        let file = NamedTempFile::new_in(guard::folder_of(path))?;
+        let file = NamedTempFile::new_in(guard::folder_of(path)).map_err(unnamed)?;
         open.push(file.path().into());
         Ok(Self(Some(file)))
     }
@@ -138,7 +142,7 @@ impl Temporary {
 
     /// Takes the place of `path`, which is `listed` as armtwin's from then on.
     fn becomes(mut self, path: &Path, listed: bool) -> io::Result<()> {
-        let digest = if listed { Some(guard::digest(self.file()?.path())?) } else { None };
+        let digest = if listed { Some(sha256_of_file(self.file()?.path())?) } else { None };
         make_readable(self.file()?.as_file())?;
         // Held, so that an interruption comes before all of it or after.
         let mut open = open_files();
@@ -161,6 +165,14 @@ impl Drop for Temporary {
     }
 }
 
+/// Without the name of a temporary file, which nobody asked for.
+fn unnamed(e: io::Error) -> io::Error {
+    match e.to_string().split_once(" at path ") {
+        Some((said, _)) => io::Error::new(e.kind(), said.to_string()),
+        None => e,
+    }
+}
+
 /// Temporary files are private to their owner; results are not.
 #[cfg(unix)]
 fn make_readable(file: &File) -> io::Result<()> {
@@ -171,4 +183,17 @@ fn make_readable(file: &File) -> io::Result<()> {
 #[cfg(not(unix))]
 fn make_readable(_: &File) -> io::Result<()> {
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_names_no_temporary_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = NamedTempFile::new_in(folder.path().join("none")).unwrap_err();
+        assert!(error.to_string().contains(".tmp"), "{error}");
+        assert!(!unnamed(error).to_string().contains(".tmp"));
+    }
 }

@@ -151,6 +151,24 @@ pub static SETTINGS: Limit = Limit {
     why: "the longest that comes with armtwin has 4 kB",
     remedy: "check that this is the twin, scenario, study or column map that was meant",
 };
+pub static RECIPE: Limit = Limit {
+    most: 512,
+    of: "quantities in a recipe of RTDE",
+    why: "controllers have some 400, registers included",
+    remedy: "ask for fewer",
+};
+pub static CLIENTS: Limit = Limit {
+    most: 16,
+    of: "clients of a served arm at once",
+    why: "each costs two threads; a controller serves fewer",
+    remedy: "end one of them",
+};
+pub static UNREAD: Limit = Limit {
+    most: 1 << 20,
+    of: "bytes that a client has not read",
+    why: "half a second of all quantities at 500 Hz",
+    remedy: "read faster, ask for fewer quantities or a lower rate",
+};
 
 /// All limits, as the guide lists them.
 pub static ALL: &[&Limit] = &[
@@ -173,6 +191,9 @@ pub static ALL: &[&Limit] = &[
     &LINKS,
     &ARM,
     &SETTINGS,
+    &RECIPE,
+    &CLIENTS,
+    &UNREAD,
 ];
 
 /// Bytes that any file may become: what is less can do no harm.

@@ -24,6 +24,20 @@ impl JointSeries {
         Self { joints: rows.len(), samples, values: rows.concat() }
     }
 
+    /// From the samples of the first joint, then those of the next, ...
+    ///
+    /// # Panics
+    /// If there are not `joints` x `samples` values: callers check user data before.
+    pub fn from_values(joints: usize, samples: usize, values: Vec<f64>) -> Self {
+        assert_eq!(values.len(), joints * samples, "as many values as samples of all joints");
+        Self { joints, samples, values }
+    }
+
+    /// The samples of the first joint, then those of the next, ...
+    pub fn into_values(self) -> Vec<f64> {
+        self.values
+    }
+
     pub fn joints(&self) -> usize {
         self.joints
     }

@@ -3,6 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+#[path = "tidy/imports.rs"]
+mod imports;
+
 /// (path, text) of every Rust file below a folder of the repository.
 fn sources(folder: &str) -> Vec<(PathBuf, String)> {
     let mut found = Vec::new();
@@ -76,9 +79,28 @@ fn rooms_only_look_upstream() {
         "excitation",
         &["diagnosis", "identification", "cli", "viewer", "report::html"],
     );
+    // Bytes and rows come in from outside; who makes them knows nothing of what becomes of them.
+    assert_never_uses("rtde", &["live", "watch", "recording", "simulation", "cli"]);
+    assert_never_uses("live", &["watch", "diagnosis", "identification", "cli"]);
+    assert_never_uses("watch", &["live", "rtde", "studies", "cli", "viewer"]);
+    // What both have in common lies below both.
+    assert_never_uses("workflow", &["cli"]);
     // Pages show what these find; tables as text are for all of them.
     for room in ["diagnosis", "motor", "studies", "trials", "case_studies"] {
         assert_never_uses(room, &["cli", "viewer", "report::html"]);
+    }
+}
+
+/// What the library does with recordings is done there, not in the command line or the Python layer.
+#[test]
+fn what_converts_does_not_decide() {
+    for (path, text) in sources("python/src") {
+        let lines = text.lines().count();
+        assert!(lines <= 300 && text.starts_with("//!"), "{} has {lines} lines", path.display());
+        for room in ["signals", "diagnosis::diagnose", "identification::identify", "plausibility"] {
+            let word = format!("armtwin::{room}");
+            assert!(!text.lines().any(|l| code(l).contains(&word)), "{}: {room}", path.display());
+        }
     }
 }
 
@@ -95,7 +117,7 @@ fn third_party_types_stay_at_their_edge() {
         ("lz4", &["recording"]),
         ("arrow", &["recording", "sweep"]),
         ("parquet", &["recording", "sweep"]),
-        ("plotly", &["html"]),
+        ("plotters", &["figure"]),
         ("maud", &["html"]),
     ] {
         let (path_like, import) = (format!("{krate}::"), format!("use {krate}"));
@@ -124,4 +146,24 @@ fn flags_that_name_a_file_to_write_say_so_by_their_type() {
             }
         }
     }
+}
+
+/// Is a file part of the tests alone?
+fn is_test(path: &Path) -> bool {
+    let names: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
+    let file = names.last().map_or("", |name| name.as_ref());
+    file.ends_with("tests.rs") || names.iter().any(|n| n == "tests" || n.ends_with("_tests"))
+}
+
+#[test]
+fn modules_do_not_import_each_other_in_circles() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let all = sources("src");
+    let code: Vec<_> = all
+        .iter()
+        .map(|(path, text)| (path.strip_prefix(&src).expect("below src"), text.as_str()))
+        .filter(|(path, _)| !is_test(path))
+        .collect();
+    let circles = imports::circles(&code);
+    assert!(circles.is_empty(), "{} circles:\n{}", circles.len(), circles.join("\n"));
 }

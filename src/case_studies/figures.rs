@@ -1,7 +1,7 @@
 //! Counterparts of the paper's figures 11 to 17, of the arm.
 
-use super::draw::{FigureError, Line, Panel, draw};
 use super::ur5::{Part, Study};
+use crate::figure::{Colour, Drawn, FigureError, Line, Panel, Scale, draw, over_time};
 use crate::robot::{Robot, flange_placement};
 
 /// A picture and what it shows.
@@ -58,6 +58,16 @@ pub fn of_arm(study: &Study, robot: &Robot) -> Vec<Figure> {
     figures
 }
 
+/// Time along the horizontal axis.
+pub const TIME: (&str, Scale) = ("s", Scale::Linear);
+/// Methods by their names in a report, as they are written, in their colours.
+pub const METHODS: [(&str, &str, Colour); 2] =
+    [("pso", "PSO", Colour::Before), ("nlse", "NLSE", Colour::After)];
+
+pub fn joined(label: &str, colour: Colour, points: Vec<(f64, f64)>) -> Line {
+    Line { label: label.into(), colour, drawn: Drawn::Joined, points, band: Vec::new() }
+}
+
 fn motion_panels(part: &Part) -> Vec<Panel> {
     let s = &part.samples;
     let signals = [
@@ -67,15 +77,15 @@ fn motion_panels(part: &Part) -> Vec<Panel> {
     ];
     let panel = |(title, up, series): (&str, &'static str, &crate::series::JointSeries)| Panel {
         title: title.into(),
-        across: "s",
-        up,
+        across: TIME,
+        up: (up, Scale::Linear),
         lines: (0..series.joints())
             .map(|j| {
                 let points = series.joint(j).iter().enumerate().map(|(k, y)| (s.time(k), *y));
-                Line::new(&format!("{}", j + 1), j, points.collect())
+                joined(&format!("joint {}", j + 1), Colour::ByName, points.collect())
             })
             .collect(),
-        equal: false,
+        ..Panel::default()
     };
     signals.map(panel).into()
 }
@@ -99,8 +109,9 @@ fn flange_path(part: &Part, robot: &Robot) -> Vec<[f64; 3]> {
 fn path_panels(places: &[[f64; 3]]) -> Vec<Panel> {
     let side = |(title, a, b, across, up): (&str, usize, usize, &'static str, &'static str)| {
         let points: Vec<_> = places.iter().map(|p| (p[a], p[b])).collect();
-        let line = Line { label: String::new(), colour: 0, stretches: vec![points] };
-        Panel { title: title.into(), across, up, lines: vec![line], equal: true }
+        let (across, up) = ((across, Scale::Linear), (up, Scale::Linear));
+        let lines = vec![joined("", Colour::ByName, points)];
+        Panel { title: title.into(), across, up, lines, equal: true, ..Panel::default() }
     };
     [
         ("From above", 0, 1, "x m", "y m"),
@@ -115,21 +126,23 @@ fn path_panels(places: &[[f64; 3]]) -> Vec<Panel> {
 fn torque_panels(study: &Study, part: &Part, errors: bool) -> Vec<Panel> {
     let panel = |(j, p): (usize, &crate::identification::problem::JointProblem)| {
         let mut lines = Vec::new();
+        let time: Vec<f64> = p.slots.iter().map(|slot| *slot as f64 * p.dt).collect();
         let line =
-            |label: &str, colour, y: &[f64]| Line::with_gaps(label, colour, &p.slots, p.dt, y);
+            |label: &str, colour, y: &[f64]| joined(label, colour, over_time(&time, y, p.dt));
         if !errors {
-            lines.push(line("measured", 5, &p.measured));
+            lines.push(line("measured", Colour::Measured, &p.measured));
         }
-        for (k, (method, label)) in [("pso", "PSO"), ("nlse", "NLSE")].iter().enumerate() {
-            let Some(r) = study.results.iter().find(|r| r.method == *method) else { continue };
+        for (method, label, colour) in METHODS {
+            let Some(r) = study.results.iter().find(|r| r.method == method) else { continue };
             let residual = p.residual(&r.found.joints[j]);
             let y: Vec<f64> = match errors {
                 true => residual.iter().map(|e| e.abs()).collect(),
                 false => p.measured.iter().zip(&residual).map(|(m, e)| m - e).collect(),
             };
-            lines.push(line(label, [3, 0][k], &y));
+            lines.push(line(label, colour, &y));
         }
-        Panel { title: format!("Joint {}", j + 1), across: "s", up: "N.m", lines, equal: false }
+        let title = format!("Joint {}", j + 1);
+        Panel { title, across: TIME, up: ("N.m", Scale::Linear), lines, ..Panel::default() }
     };
     part.problem.joints.iter().enumerate().map(panel).collect()
 }

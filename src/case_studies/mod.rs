@@ -5,7 +5,6 @@
 //! injected and what was found.
 
 pub mod boxes;
-pub mod draw;
 pub mod figures;
 pub mod motor;
 pub mod motor_figures;

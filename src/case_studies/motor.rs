@@ -13,7 +13,7 @@ use crate::motor::report::{
 use crate::motor::scenario::{Channel, SHIPPED, Scenario, ScenarioError};
 use crate::motor::study::{Archive, Study, study};
 use crate::motor::study_text::{answer, grid};
-use crate::report::markdown_table;
+use crate::text::markdown_table;
 
 /// What is measured, and what is given.
 type Known = (&'static [Channel], &'static [(usize, f64)]);

@@ -1,8 +1,8 @@
 //! Counterparts of the paper's figures 5 to 10: the motor's voltage, its speed measured and
 //! calculated with what PSO and NLSE identified, the errors, and without the noise that hides them.
 
-use super::draw::{Line, Panel};
-use super::figures::Figure;
+use super::figures::{Figure, METHODS, TIME, joined};
+use crate::figure::{Colour, Panel, Scale};
 use crate::motor::report::{MotorError, ScenarioReport};
 use crate::motor::scenario::Scenario;
 use crate::motor::series::{Series, series};
@@ -28,30 +28,32 @@ pub fn of_motor(scenario: &Scenario, report: &ScenarioReport) -> Result<Vec<Figu
 
 fn panels(series: &Series) -> [Panel; 4] {
     let line = |label: &str, colour, y: &[f64]| {
-        Line::new(label, colour, series.time.iter().copied().zip(y.iter().copied()).collect())
+        joined(label, colour, series.time.iter().copied().zip(y.iter().copied()).collect())
     };
     let less = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
     let (measured, truth) = (&series.measured.omega, &series.truth.omega);
-    let mut speeds = vec![line("measured", 5, measured)];
+    let mut speeds = vec![line("measured", Colour::Measured, measured)];
     let (mut errors, mut from_truth) = (Vec::new(), Vec::new());
     for (method, calculated) in &series.calculated {
-        let (label, colour) = if *method == "pso" { ("PSO", 3) } else { ("NLSE", 0) };
+        let Some((_, label, colour)) = METHODS.into_iter().find(|m| m.0 == *method) else {
+            continue;
+        };
         let omega = &calculated.omega;
         speeds.push(line(label, colour, omega));
         errors.push(line(label, colour, &less(measured, omega)));
         from_truth.push(line(label, colour, &less(omega, truth)));
     }
     [
-        ("Voltage", "V", vec![line("", 0, &series.voltage)]),
+        ("Voltage", "V", vec![line("", Colour::ByName, &series.voltage)]),
         ("Speed", "rad/s", speeds),
         ("Error", "rad/s", errors),
         ("Calculated less true", "rad/s", from_truth),
     ]
     .map(|(title, up, lines)| Panel {
         title: title.into(),
-        across: "s",
-        up,
+        across: TIME,
+        up: (up, Scale::Linear),
         lines,
-        equal: false,
+        ..Panel::default()
     })
 }

@@ -10,7 +10,7 @@ use super::ur5::Study;
 use super::versus::Duel;
 use super::versus_tables::{tight, versus};
 use crate::identification::{Goodness, LEVEL, ParameterEstimate};
-use crate::report::markdown_table;
+use crate::text::markdown_table;
 
 /// All that the page shows.
 pub struct Page<'a> {

@@ -2,7 +2,7 @@
 
 use super::boxes::Boxed;
 use super::versus::{Duel, Record, Tally, answer, tally};
-use crate::report::markdown_table;
+use crate::text::markdown_table;
 
 /// By law and recording.
 pub fn versus(duels: &[(String, Vec<Duel>)]) -> String {

@@ -15,10 +15,10 @@ use crate::simulation::{Experiment, Plant, Reference, Scenario, Simulation};
 #[derive(clap::Args)]
 #[command(after_help = "Example: armtwin accuracy -o docs/accuracy.md")]
 pub struct Args {
-    /// Markdown file to write; left out, standard output
+    /// Markdown file to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     out: Option<Output>,
-    /// The measurements as JSON
+    /// Write the measurements as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<Output>,
 }

@@ -39,19 +39,19 @@ pub struct Args {
     /// Folder for the page and its figures
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Folder with the UR5's movement folders
+    /// Folder with the UR5's movement folders [default: ARMTWIN_SHARED, else ../shared]
     #[arg(long, value_name = "DIR")]
     recordings: Option<PathBuf>,
     /// Ask PSO too whether the DC motor's terms exist, on so many noises (15 s each on one core)
     #[arg(long, value_name = "N", default_value_t = 0)]
     pso_seeds: u64,
-    /// Folder for the searches on noises; those that are in it are not made again
+    /// Folder that keeps the searches on noises, so that a stopped run goes on [default: none is kept]
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
     /// Leave the DC motor out, whose searches take most of the time
     #[arg(long, conflicts_with_all = ["pso_seeds", "keep"])]
     no_motor: bool,
-    /// The figures for the viewer
+    /// Write the figures for the viewer [default: not written]
     #[arg(long, value_name = "FILE.rrd")]
     rrd: Option<Output>,
     /// Random seed for the searches and chains

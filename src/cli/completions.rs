@@ -16,5 +16,5 @@ pub struct Args {
 pub fn run(args: &Args) {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut super::command(), "armtwin", &mut script);
-    print!("{}", String::from_utf8_lossy(&script));
+    super::out::document(&String::from_utf8_lossy(&script));
 }

@@ -1,33 +1,35 @@
 //! Flags that set how a recording is conditioned, for every command that takes one.
 
 use crate::signals::{Conditioning, Derivatives};
+use crate::workflow::SignalOptions;
 
 /// What is not given stays as [`Conditioning::default`] has it.
 #[derive(clap::Args, Default)]
 #[command(next_help_heading = "Signals")]
 pub struct ConditioningArgs {
-    /// Resample onto this rate [default: the recording's own]
+    /// Resample to this rate [default: the recording's own]
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// Where velocity and acceleration come from
+    /// Where velocity and acceleration come from [default: position; for `diagnose` tracking-error where a
+    /// command is recorded]
     #[arg(long, value_enum)]
     derivatives: Option<Source>,
     /// Zero-phase low-pass of the motion, 0 for none [default: 20]
     #[arg(long, value_name = "HZ")]
     motion_cutoff: Option<f64>,
-    /// Zero-phase low-pass of torque and regressors alike, 0 for none [default: 8]
+    /// Zero-phase low-pass of torque and of what is fitted to it, 0 for none [default: 8]
     #[arg(long, value_name = "HZ")]
     torque_cutoff: Option<f64>,
     /// Butterworth order of both filters [default: 4]
     #[arg(long, value_name = "N")]
     filter_order: Option<usize>,
-    /// Samples at or below this speed do not slide, 0 keeps all [default: 0.02]
+    /// Leave out samples at or below this speed, 0 keeps all [default: 0.02]
     #[arg(long, value_name = "RAD_S")]
     standstill: Option<f64>,
-    /// Leave out sliding samples nearer than this to standstill [default: 0.1]
+    /// Leave out samples nearer than this to a standstill [default: 0.1]
     #[arg(long, value_name = "S")]
     guard: Option<f64>,
-    /// Leave out this much at both ends [default: 0.5]
+    /// Leave out this much at both ends of the recording [default: 0.5]
     #[arg(long, value_name = "S")]
     margin: Option<f64>,
     /// Keep every N-th sample [default: follows from the torque cutoff]
@@ -49,30 +51,25 @@ enum Source {
 
 impl ConditioningArgs {
     pub fn conditioning(&self) -> Conditioning {
-        self.over(Conditioning::default())
+        self.options().over(Conditioning::default())
     }
 
     /// The least rate of a recording that what was given can do with, Hz.
     pub fn floor_hz(&self) -> f64 {
-        // A low-pass wants its cutoff well below half the rate; who decimates counts recorded rows.
-        let cutoffs = [self.motion_cutoff, self.torque_cutoff].map(|c| 2.5 * c.unwrap_or(0.0));
-        let rates = [self.rate.unwrap_or(0.0), self.decimate.map_or(0.0, |_| f64::INFINITY)];
-        cutoffs.into_iter().chain(rates).fold(0.0, f64::max)
+        self.options().floor_hz()
     }
 
-    /// `usual` with what was given written over it.
-    pub fn over(&self, usual: Conditioning) -> Conditioning {
-        Conditioning {
-            rate_hz: self.rate.or(usual.rate_hz),
-            derivatives: self.derivatives.map_or(usual.derivatives, Source::derivatives),
-            motion_cutoff_hz: self.motion_cutoff.unwrap_or(usual.motion_cutoff_hz),
-            torque_cutoff_hz: self.torque_cutoff.unwrap_or(usual.torque_cutoff_hz),
-            filter_order: self.filter_order.unwrap_or(usual.filter_order),
-            standstill_rad_s: self.standstill.unwrap_or(usual.standstill_rad_s),
-            guard_s: self.guard.unwrap_or(usual.guard_s),
-            margin_s: self.margin.unwrap_or(usual.margin_s),
-            decimation: self.decimate.or(usual.decimation),
-            ..usual
+    pub fn options(&self) -> SignalOptions {
+        SignalOptions {
+            rate_hz: self.rate,
+            derivatives: self.derivatives.map(Source::derivatives),
+            motion_cutoff_hz: self.motion_cutoff,
+            torque_cutoff_hz: self.torque_cutoff,
+            filter_order: self.filter_order,
+            standstill_rad_s: self.standstill,
+            guard_s: self.guard,
+            margin_s: self.margin,
+            decimation: self.decimate,
         }
     }
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 
 use super::outputs::{self, Output};
+use super::progress::Progress;
 use super::{diagnose, out, save, simulate, view};
 use crate::diagnosis::{self, Diagnosis};
 use crate::identification::{
@@ -18,6 +19,7 @@ use crate::signals::condition;
 use crate::simulation::{Experiment, Run, Scenario, Truth};
 use crate::studies::recovery::{Recovered, blank_twin, conditioning, recovered};
 use crate::twin::{PerJoint, Twin};
+use crate::workflow::{Diagnose, Diagnosed};
 
 /// Simulate a UR5 with hidden friction and a hidden effect, identify the one, diagnose the other
 #[derive(clap::Args)]
@@ -73,8 +75,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let found = Found::new(&made, &fit, &check, args.seed)?;
     found.print(&made);
     println!("\n3. Diagnose what the identified twin lacks\n");
-    let recordings = [&fit, &check].map(|run| run.recording.clone());
-    let done = diagnosed(found.open(), recordings, args.seed)?;
+    let recordings = [&fit, &check].map(|run| &run.recording);
+    let done = diagnosed(&found.open(), recordings, args.seed)?;
     println!("{}", hidden(&done.diagnosis));
     let truth = Truth::new(&scenario, &made, &fit, &check);
     simulate::write(&args.out, &fit, &check, &truth)?;
@@ -114,14 +116,10 @@ fn hidden(found: &Diagnosis) -> String {
 }
 
 /// Prints the answer.
-fn diagnosed(
-    twin: Twin,
-    recordings: [Recording; 2],
-    seed: u64,
-) -> anyhow::Result<diagnose::Diagnosed> {
-    let settings = diagnosis::Settings { seed, ..diagnosis::Settings::default() };
-    let recordings = diagnose::conditioned(recordings, &twin)?;
-    let done = diagnose::diagnose(twin, recordings, settings, true)?;
+fn diagnosed(twin: &Twin, [fit, check]: [&Recording; 2], seed: u64) -> anyhow::Result<Diagnosed> {
+    let watch = Progress::default();
+    let done = Diagnose::default().seed(seed).run(twin, fit, check, &watch)?;
+    watch.end();
     out::page(&diagnose::findings(&done));
     Ok(done)
 }

@@ -27,7 +27,7 @@ pub struct Args {
     /// Scenarios, one per effect, each with the effect's name (stribeck.toml)
     #[arg(required = true, value_name = "SCENARIO")]
     scenarios: Vec<PathBuf>,
-    /// Noise drawn per strength
+    /// Draws of noise per strength
     #[arg(long, value_name = "N", default_value_t = Settings::default().seeds)]
     seeds: u64,
     /// Length of both recordings, s
@@ -36,13 +36,13 @@ pub struct Args {
     /// Signal-to-noise ratio of the current, dB
     #[arg(long, value_name = "DB", default_value_t = Settings::default().snr_db)]
     snr: f64,
-    /// Folder for what is finished, one JSON file per effect; what it holds is not measured again
+    /// Folder that keeps what is finished, so that a stopped measurement goes on [default: none is kept]
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
-    /// Markdown file to write; left out, standard output
+    /// Markdown file to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     out: Option<Output>,
-    /// The measurements as JSON
+    /// Write the measurements as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<Output>,
 }

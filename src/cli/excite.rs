@@ -33,7 +33,7 @@ breaks a limit, nothing is. Boxes and heights are in metres in the axes of the b
 corner and x1,y1,z1 the opposite one. The links are capsules: look whether their radius covers your
 arm, its cables and its tool. The same seed gives the same files.")]
 pub struct Args {
-    /// The arm (TWIN.toml); left out, a UR5
+    /// The arm (TWIN.toml) [default: the built-in UR5]
     #[arg(long, value_name = "TWIN")]
     twin: Option<PathBuf>,
     /// Length of the motion, with a second of rest at both ends
@@ -42,10 +42,10 @@ pub struct Args {
     /// What it shall tell: inertia, friction, EFFECT, EFFECT@JOINT, parted by commas
     #[arg(long = "for", value_name = "WHAT", default_value = "inertia")]
     what: String,
-    /// Or which of two rivals is there: EFFECT[@JOINT],EFFECT[@JOINT]
+    /// Two effects that the motion shall tell apart: EFFECT[@JOINT],EFFECT[@JOINT] [default: --for decides]
     #[arg(long, value_name = "A,B", conflicts_with = "what")]
     apart: Option<String>,
-    /// Write the motion here; may be given several times
+    /// File for the motion, .csv, .yaml, .script or .toml; may be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     out: Vec<Output>,
     /// Largest distance of a joint from the middle pose, rad
@@ -57,14 +57,14 @@ pub struct Args {
     /// Largest acceleration of any joint, rad/s2
     #[arg(long, value_name = "RAD/S2", default_value_t = 5.0, allow_negative_numbers = true)]
     acceleration: f64,
-    /// Middle pose, one angle per joint, rad; left out: above the table for UR arms, the middle of the
-    /// joint limits for others
+    /// Middle pose, one angle per joint, rad [default: above the table for UR arms, the middle of the joint
+    /// limits for others]
     #[arg(long, value_name = "RAD,...", value_delimiter = ',', allow_hyphen_values = true)]
     home: Option<Vec<f64>>,
-    /// Height of a table below which no part of the arm may reach, m
+    /// Height of a table that no part of the arm may reach below, m [default: no table]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     table_z: Option<f64>,
-    /// A box that no part of the arm may touch, m; may be given several times
+    /// A box that no part of the arm may touch, m; may be repeated [default: none]
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true)]
     keep_out: Vec<String>,
     /// Radius of the capsules around the links, m [default: 5 % of the arm's length]
@@ -88,8 +88,8 @@ pub struct Args {
     /// Motions the search tries: more take longer and tell more
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     evaluations: usize,
-    /// Write no motion: design for every word of --for with N seeds, and write what they tell beside
-    /// random sines to FILE.md
+    /// Write no motion: design one for every word of --for with each of N seeds, and write to FILE.md what
+    /// they tell, beside random sines [default: one motion is written]
     #[arg(long, value_name = "N", conflicts_with = "apart", value_parser = clap::value_parser!(u64).range(1..=1000))]
     study: Option<u64>,
     /// Write what the motion tells, the limits it holds and all settings as JSON

@@ -23,7 +23,7 @@ pub struct Args {
     /// What to write
     #[arg(long, value_enum)]
     format: Format,
-    /// Write here instead of standard output
+    /// File to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     out: Option<Output>,
     /// Write what the file cannot hold as JSON

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use super::outputs::Output;
-use super::recordings::{ReadArgs, words};
+use super::recordings::ReadArgs;
 use super::save;
 use super::twin::ArmArgs;
 use crate::plausibility::{self, Judgement, Slope};
 use crate::recording::Recording;
 use crate::recording::inspection::{Inspection, JointMotion, JointSignal, Signal, inspect};
-use crate::report::table;
+use crate::report::{paragraph, table};
 
 /// Show what a recording holds, how good it is, and what is wrong with it
 #[derive(clap::Args)]
@@ -34,13 +34,11 @@ pub struct Args {
     json: Option<Output>,
 }
 
-const WIDTH: usize = 96;
-
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let mut recording = args.read.read(&args.recording)?;
     let (arm, judged) = held_against(&args.arm, &mut recording)?;
     let mut inspection = inspect(&recording);
-    let doubts = judged.doubts.iter().map(words);
+    let doubts = judged.doubts.iter().map(ToString::to_string);
     inspection.findings = doubts.chain(inspection.findings).collect();
     let inspected =
         Inspected { inspection: &inspection, arm: &arm, torque_over_predicted: &judged.slopes };
@@ -200,23 +198,8 @@ fn list(title: &str, items: &[String], none: &str) -> String {
     if items.is_empty() {
         text += &format!("  {none}\n");
     }
-    items.iter().for_each(|item| text += &wrapped(item));
+    items.iter().for_each(|item| text += &paragraph("  - ", item));
     text
-}
-
-/// One item of a list, its lines broken at blanks.
-fn wrapped(item: &str) -> String {
-    let mut lines = vec![String::from("  -")];
-    for word in item.split(' ') {
-        let line = lines.last().map_or(0, |l| l.chars().count());
-        if line + 1 + word.chars().count() > WIDTH {
-            lines.push("   ".into());
-        }
-        if let Some(line) = lines.last_mut() {
-            *line += &format!(" {word}");
-        }
-    }
-    lines.join("\n") + "\n"
 }
 
 /// Three significant digits.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap_mangen::Man;
 
-use super::{outputs, save};
+use super::{out, outputs, save};
 
 /// Print the manual page, or write those of all commands
 #[derive(clap::Args)]
@@ -13,7 +13,7 @@ use super::{outputs, save};
   armtwin man | man -l -
   armtwin man --out ~/.local/share/man/man1")]
 pub struct Args {
-    /// Folder for armtwin.1 and one page per command
+    /// Folder for the pages of all commands [default: one page on standard output]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -23,7 +23,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     // So that pages of commands name the program.
     whole.build();
     let Some(out) = &args.out else {
-        print!("{}", String::from_utf8_lossy(&page(whole, "armtwin")?));
+        out::document(&String::from_utf8_lossy(&page(whole, "armtwin")?));
         return Ok(());
     };
     let mut pages = vec![("armtwin".to_string(), whole.clone())];

@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use super::outputs::Output;
-use super::recordings::words;
-use super::save;
+use super::{out, save};
 use crate::plausibility::{judge_alone, likely_arms};
 use crate::recording::{self, ColumnMap, Draft, Recording};
 
@@ -26,10 +25,10 @@ drafted where joint torque is recorded, in motion, and its weight is that of a b
 pub struct Args {
     /// Text or Parquet file
     file: PathBuf,
-    /// File to write; left out, standard output
+    /// File to write [default: standard output]
     #[arg(short, long, value_name = "MAP.toml")]
     out: Option<Output>,
-    /// Write a twin of the arm whose weight is carried, where one can be told
+    /// Write a twin of the built-in arm whose weight the torque carries, if it is one [default: not written]
     #[arg(long, value_name = "TWIN.toml")]
     save_twin: Option<Output>,
     /// Write the draft and what was told as JSON
@@ -49,7 +48,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             save::text(path, &text)?;
             println!("{}: {} joints, {}", path.display(), draft.joints, draft.stems.join(", "));
         }
-        None => print!("{text}"),
+        None => out::document(&text),
     }
     match (&args.save_twin, arm) {
         (Some(path), Some((name, slope))) => save_twin(path, name, slope)?,
@@ -81,7 +80,7 @@ fn remarks(
         Err(why) => _ = writeln!(text, "# It cannot be read like this: {why}"),
         Ok(recording) => {
             let doubts = judge_alone(recording);
-            doubts.iter().for_each(|d| _ = writeln!(text, "# Doubtful: {}", words(d)));
+            doubts.iter().for_each(|d| _ = writeln!(text, "# Doubtful: {d}"));
         }
     }
     match arm {

@@ -36,19 +36,19 @@ pub struct Args {
     /// Write everything as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<Output>,
-    /// Write the tables as a Markdown fragment
+    /// Write the tables as a Markdown fragment [default: not written]
     #[arg(long, value_name = "FILE")]
     markdown: Option<Output>,
-    /// Write a report with pictures, for any browser
+    /// Write a report with pictures, for any browser [default: not written]
     #[arg(long, value_name = "FILE.html", conflicts_with = "study")]
     report: Option<Output>,
     /// How to search
     #[arg(long, value_delimiter = ',', default_value = "pso,nlse")]
     method: Vec<MethodName>,
-    /// What is measured, instead of the scenario's list
+    /// Signals that are measured [default: those of the scenario]
     #[arg(long, value_delimiter = ',')]
     measured: Vec<ChannelName>,
-    /// A parameter known beforehand; may be repeated
+    /// A parameter that is known beforehand; may be repeated [default: those of the scenario]
     #[arg(long, value_name = "NAME=VALUE", value_parser = parse_given)]
     given: Vec<(usize, f64)>,
     /// Random seed for the noise and the searches
@@ -60,10 +60,10 @@ pub struct Args {
     /// Noises of the study, from --seed on
     #[arg(long, default_value_t = 200, requires = "study")]
     seeds: u64,
-    /// So many by PSO too (15 s each on one core)
+    /// Noises that PSO searches as well (15 s each on one core)
     #[arg(long, default_value_t = 0, requires = "study")]
     pso_seeds: u64,
-    /// Folder for the study's searches; those that are in it are not made again
+    /// Folder that keeps the study's searches, so that a stopped study goes on [default: none is kept]
     #[arg(long, value_name = "DIR", requires = "study")]
     keep: Option<PathBuf>,
 }

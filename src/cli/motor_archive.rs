@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use super::save;
+use crate::files::sha256;
 use crate::motor::report::Method;
 use crate::motor::scenario::Scenario;
 use crate::motor::study::{Archive, Search};
-use crate::trials::sha256;
 
 /// `DIGEST-METHOD-SEED.toml`, the digest that of the scenario as it was asked and of the program's
 /// version: who changes the search itself names another folder. TOML, because it reads numbers back

@@ -4,6 +4,8 @@ use std::fmt::Arguments;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::report::{broken, width};
+
 /// In place of the standard library's, which panics when the reader has gone (`armtwin .. | head`).
 macro_rules! print {
     ($($text:tt)*) => { $crate::cli::out::write(format_args!($($text)*)) };
@@ -20,8 +22,21 @@ pub fn leave_to_the_file() {
     CLOSED.store(true, Ordering::Relaxed);
 }
 
-/// The work goes on when nobody reads: its files are still wanted.
+/// Text for a person: no line is longer than the terminal is wide.
 pub fn write(text: Arguments<'_>) {
+    match width() {
+        Some(most) => put(format_args!("{}", broken(&text.to_string(), most))),
+        None => put(text),
+    }
+}
+
+/// A document for another program or file: its lines stay as they are.
+pub fn document(text: &str) {
+    put(format_args!("{text}"));
+}
+
+/// The work goes on when nobody reads: its files are still wanted.
+fn put(text: Arguments<'_>) {
     if CLOSED.load(Ordering::Relaxed) {
         return;
     }
@@ -47,7 +62,12 @@ pub fn notes(robot: &str, notes: &[String]) {
 /// Prints blocks that are parted by empty lines, on a terminal with the first block and the first
 /// line of every other one in bold.
 pub fn page(text: &str) {
-    if is_colourful() { print!("{}", emphasised(text)) } else { print!("{text}") }
+    let text = &width().map_or_else(|| text.to_string(), |most| broken(text, most));
+    if is_colourful() {
+        put(format_args!("{}", emphasised(text)))
+    } else {
+        put(format_args!("{text}"))
+    }
 }
 
 fn is_colourful() -> bool {

@@ -1,8 +1,70 @@
 //! Progress of long work; bars hide themselves where standard error is not a terminal.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
+
+use super::interrupt;
+use crate::follow::Watch;
+
+/// Follows the jobs of the program: a bar for what is being done, notes and warnings on standard error.
+#[derive(Default)]
+pub struct Progress {
+    shown: Mutex<Option<(&'static str, ProgressBar)>>,
+    /// Raised by Ctrl-C, where the work ends between two files and not at once.
+    stop: Option<Arc<AtomicBool>>,
+}
+
+impl Progress {
+    /// Of work that Ctrl-C ends when it is asked whether it goes on.
+    pub fn interruptible() -> Self {
+        Self { shown: Mutex::default(), stop: Some(interrupt::flag()) }
+    }
+
+    /// Takes the bar away.
+    pub fn end(&self) {
+        let shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner).take();
+        shown.iter().for_each(|(_, bar)| bar.finish_and_clear());
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+impl Watch for Progress {
+    fn tell(&self, doing: &'static str, done: u64, of: u64) {
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        if shown.as_ref().is_none_or(|(before, _)| *before != doing) {
+            shown.iter().for_each(|(_, bar)| bar.finish_and_clear());
+            let bar = match (doing, of) {
+                (_, 0) => spinner(doing),
+                ("simulating", _) => simulating(of as f64 / 1000.0),
+                _ => counting(doing, of),
+            };
+            *shown = Some((doing, bar));
+        }
+        if let Some((_, bar)) = shown.as_ref().filter(|_| of > 0) {
+            bar.set_position(done.max(bar.position()));
+        }
+    }
+
+    fn stops(&self) -> bool {
+        self.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
+
+    fn note(&self, text: &str) {
+        eprintln!("note: {text}");
+    }
+
+    fn warn(&self, text: &str) {
+        eprintln!("warning: {text}");
+    }
+}
 
 /// A bar over simulated milliseconds.
 pub fn simulating(seconds: f64) -> ProgressBar {
@@ -29,4 +91,11 @@ pub fn spinner(what: &str) -> ProgressBar {
         .with_message(what.to_string());
     bar.enable_steady_tick(Duration::from_millis(100));
     bar
+}
+
+/// A page that stays where it is and changes when there is something new.
+pub fn calm() -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg}");
+    ProgressBar::new_spinner()
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
 }

@@ -1,25 +1,26 @@
 //! How a command reads a recording: which columns and which stretch, held against the arm before anything
 //! is worked out from it, and thinned where it has more rows than that needs.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 
 use super::twin::Arm;
-use crate::plausibility::{self, Doubt};
+use crate::follow::Watch;
 use crate::recording::{self, FEWEST_SAMPLES, Recording};
-use crate::signals::thin;
+use crate::workflow::{Prepared, Reading, WorkflowError};
 
 /// What every command that takes a recording takes with it.
 #[derive(clap::Args, Clone, Default)]
 pub struct ReadArgs {
-    /// Column map (TOML) of recordings without RTDE names, or of bags; `armtwin map` drafts one
+    /// Column map (TOML) of a bag, or of a table without RTDE names; `armtwin map` drafts one [default: RTDE names]
     #[arg(long, value_name = "MAP.toml")]
     pub columns: Option<PathBuf>,
-    /// Leave out what is before, s from the first row of each recording
+    /// Leave out all rows before this time, in seconds after the first row [default: 0]
     #[arg(long, value_name = "S", value_parser = seconds)]
     from: Option<f64>,
-    /// Leave out what is after, s from the first row of each recording
+    /// Leave out all rows after this time, in seconds after the first row [default: the end]
     #[arg(long, value_name = "S", value_parser = seconds)]
     to: Option<f64>,
 }
@@ -32,7 +33,7 @@ pub struct WorkArgs {
     /// Keep all rows of recordings faster than 125 Hz or longer than 300 000 rows
     #[arg(long)]
     every_row: bool,
-    /// Go on with a recording that contradicts its column names or the arm
+    /// Go on although the recording contradicts its column names or the arm
     #[arg(long)]
     force: bool,
 }
@@ -74,39 +75,24 @@ impl WorkArgs {
     /// # Errors
     /// If it cannot be read, is of another number of joints, or contradicts itself or the arm and is
     /// not forced.
-    pub fn read(&self, path: &Path, arm: &Arm, floor_hz: f64) -> anyhow::Result<Recording> {
-        let mut recording = self.read.read(path)?;
-        arm.settle(&mut recording)?;
-        self.stop(path, arm.judge(&recording).doubts)?;
-        if self.every_row {
-            return Ok(recording);
-        }
-        let Some(thinned) = thin(&recording, floor_hz) else { return Ok(recording) };
-        if let Some(note) = thinned.provenance.notes.last() {
-            eprintln!("note: {}: {note}", path.display());
-        }
-        Ok(thinned)
+    pub fn read(
+        &self,
+        path: &Path,
+        arm: &Arm,
+        floor_hz: f64,
+        watch: &dyn Watch,
+    ) -> anyhow::Result<Prepared<'static>> {
+        let recording = Cow::Owned(self.read.read(path)?);
+        let taken = self.reading().take(recording, arm, floor_hz, watch);
+        taken.map_err(|error| match error {
+            WorkflowError::Doubted { .. } => {
+                anyhow!("{error}\n(--force goes on with it as it is; `armtwin inspect` shows more)")
+            }
+            other => other.into(),
+        })
     }
 
-    fn stop(&self, path: &Path, doubts: Vec<Doubt>) -> anyhow::Result<()> {
-        let words: Vec<String> = doubts.iter().map(words).collect();
-        if self.force {
-            words.iter().for_each(|w| eprintln!("warning: {}: {w}", path.display()));
-            return Ok(());
-        }
-        match words.is_empty() {
-            true => Ok(()),
-            false => bail!(
-                "{}: {}\n(--force goes on with it as it is; `armtwin inspect` shows more)",
-                path.display(),
-                words.join("\nand: ")
-            ),
-        }
+    fn reading(&self) -> Reading {
+        Reading { every_row: self.every_row, force: self.force }
     }
-}
-
-/// One sentence without its full stop.
-pub fn words(doubt: &Doubt) -> String {
-    let plausibility::Doubt { what, remedy } = doubt;
-    if remedy.is_empty() { what.clone() } else { format!("{what}; {remedy}") }
 }

@@ -24,16 +24,16 @@ scenario: the friction benchmark, scenarios/ur5_friction.toml.")]
 pub struct Args {
     /// What to simulate (TOML)
     scenario: Option<PathBuf>,
-    /// Links instead of friction: models with every mass wrong by 30 %, and with 2 kg everywhere
+    /// Identify links in place of friction, from models with every mass wrong by 30 % and with 2 kg everywhere
     #[arg(long)]
     links: bool,
-    /// How many seeds, from 1
+    /// Number of seeds, counted from 1
     #[arg(long, value_name = "N", default_value_t = 100)]
     seeds: u64,
-    /// Markdown file to write; left out, standard output
+    /// Markdown file to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     out: Option<Output>,
-    /// Every estimate as JSON
+    /// Write every estimate as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<Output>,
 }

@@ -2,15 +2,16 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 use anyhow::Context;
 
 use super::outputs::{self, Output};
+use super::progress::Progress;
 use super::stream::{Deliveries, Link, StreamArgs};
-use super::{interrupt, out, progress, save};
+use super::{out, save};
 use crate::recording::{self, WriteOptions};
-use crate::simulation::{Command, Experiment, Run, Scenario, Simulation, Truth};
+use crate::simulation::{Experiment, Run, Scenario, Simulation, Truth};
+use crate::workflow::move_along;
 
 /// Simulate an arm with hidden effects: two recordings and the truth about them
 #[derive(clap::Args)]
@@ -32,13 +33,13 @@ pub struct Args {
     /// Folder for fit.csv, check.csv and truth.json
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Seed of the sensors' noise, in place of the scenario's
+    /// Random seed for the sensors' noise [default: that of the scenario]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// File format of the two recordings
     #[arg(long, value_enum, default_value = "csv")]
     format: Written,
-    /// Length of both motions in seconds, in place of the scenario's
+    /// Length of both motions, s [default: that of the scenario]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
     #[command(flatten)]
@@ -115,29 +116,24 @@ pub(super) fn simulate(
     made: &Experiment,
     link: Option<&Link>,
 ) -> anyhow::Result<([Run; 2], Deliveries)> {
-    let stop = interrupt::flag();
+    let watch = Progress::interruptible();
     let mut simulation = Simulation::new(&made.setup)?;
-    let bar = progress::simulating(made.fit.duration() + made.check.duration());
     let mut sent = Deliveries::default();
-    let mut follow = |command: &dyn Command, number: u64, name: &str| -> anyhow::Result<Run> {
-        let before = bar.position();
+    let mut follow = |which: usize| -> anyhow::Result<Run> {
+        let (name, _, command) = made.motions()[which];
         let title = format!("{name}, seed {}", made.seed);
         let begin = |link: &Link| link.follow(title, &made.setup.robot, command);
         let mut shown = link.map(begin).transpose()?;
-        let run = simulation.run(command, made.seed, number, &mut |now| {
-            bar.set_position(before + (now.time_s * 1000.0) as u64);
-            if let Some(shown) = &mut shown {
-                shown.see(now);
-            }
-            !stop.load(Ordering::Relaxed)
+        let run = move_along(&mut simulation, made, which, &watch, |now| {
+            shown.iter_mut().for_each(|shown| shown.see(now));
         })?;
         if let Some(shown) = shown {
             sent.push(shown.end());
         }
         Ok(run)
     };
-    let runs = [follow(&made.fit, 0, "fit")?, follow(&made.check, 1, "check")?];
-    bar.finish_and_clear();
+    let runs = [follow(0)?, follow(1)?];
+    watch.end();
     Ok((runs, sent))
 }
 

@@ -33,13 +33,13 @@ pub struct Args {
     /// Folder for the results
     #[arg(long, required = true, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Run only the K-th of N shares
+    /// Run only the K-th of N shares of the cells [default: all cells]
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,
     /// Number of cells run at a time [default: one per core]
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
-    /// Run only this cell (from 0), alone in this process
+    /// Run only this cell, counted from 0, alone in this process [default: all cells]
     #[arg(long, value_name = "CELL", conflicts_with_all = ["shard", "jobs"])]
     cell: Option<usize>,
     /// Write how many cells there are, were made now, and how fast, as JSON

@@ -28,7 +28,7 @@ pub struct Args {
     /// The link at which the arm ends [default: the end of the longest chain]
     #[arg(long, value_name = "LINK")]
     tip: Option<String>,
-    /// Write here instead of standard output
+    /// File to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     out: Option<Output>,
     /// Write the arm's joints, limits and masses as JSON

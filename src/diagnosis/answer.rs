@@ -193,6 +193,19 @@ pub enum By {
     Simulation,
 }
 
+impl By {
+    /// One line for people.
+    pub fn line(self) -> &'static str {
+        match self {
+            By::Torque => "method: by torque, inverse dynamics of the recorded motion",
+            By::Simulation => {
+                "method: by simulation, from the recorded command to the position (no torque is recorded; \
+                 --by says otherwise)"
+            }
+        }
+    }
+}
+
 impl Cause {
     /// The values as people read them: a ratio stands in place of the parameter that it is made from (a load's
     /// centre of mass), and what refines an effect is left out where its interval holds that it is not there.
@@ -280,6 +293,9 @@ pub struct TorqueShrink {
     /// 90 % block-bootstrap interval.
     pub low: f64,
     pub high: f64,
+    /// Noise floor of the same rows, root mean square.
+    #[serde(default)]
+    pub noise_floor_nm: f64,
     /// `fraction` above the noise floor: 1 - (after^2 - floor^2) / (before^2 - floor^2).
     pub reducible: f64,
     pub joints: Vec<JointShrink>,

@@ -1,7 +1,7 @@
 //! Parameters at the end of their range: what fits only there is no explanation.
 
 use super::fit::Fit;
-use super::refine::{Trial, evaluate};
+use super::trial::{Trial, evaluate};
 use crate::effects::{Parameter, Role};
 
 /// A trial made a cause of the model it was tried on.

@@ -2,7 +2,7 @@
 
 use super::observed::Observed;
 use crate::effects::{
-    self, CATALOGUE, Channels, Effect, Mechanism, Motion, Parameter, Role, Scope, Seen,
+    self, CATALOGUE, Channels, Effect, Mechanism, Motion, Parameter, Role, Scope, Seen, Size,
 };
 use crate::regression::Blocks;
 use crate::rigid_body::parameters::{PER_LINK, sizes};
@@ -252,7 +252,8 @@ impl Candidate {
             _ if i < self.linear() => self.stated(twin).get(i).copied().unwrap_or(0.0),
             _ => 0.0,
         };
-        [parameter.min - has, parameter.max - has]
+        let there = parameter.on(&Size::of(&twin.robot));
+        [there.min - has, there.max - has]
     }
 
     /// Range of a link's change: from no mass, or a moment the other way, to many times what the link has.

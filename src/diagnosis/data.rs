@@ -9,6 +9,7 @@ use super::Settings;
 use super::discrepancy::{Discrepancy, GROUPS};
 use super::kept::Kept;
 use super::observed::Observed;
+use crate::follow::Watch;
 use crate::regression::random_effects::{Features, JointMetric, Metric, ln_likelihood};
 use crate::regression::{Blocks, Raw};
 use crate::twin::Twin;
@@ -28,6 +29,8 @@ pub struct Data<'a> {
     pub shares: Vec<f64>,
     /// How well the scale of torque is known beside that of the links' masses, relative.
     pub scale_error: f64,
+    /// Who may end the work on them.
+    pub watch: &'a dyn Watch,
     /// Columns that a search comes back to, as no sensor shows them, and as the last ones do.
     kept: Kept<Vec<Raw>>,
     sensed: Kept<Vec<Raw>>,
@@ -56,7 +59,13 @@ impl<'a> Data<'a> {
         let rated = (0..parts[0].joints()).map(|j| rated(&parts, j)).collect();
         let shares = vec![1.0; parts[0].joints()];
         let (scale_error, kept, sensed) = (0.0, Kept::default(), Kept::default());
-        Self { twin, parts, features, rated, shares, scale_error, kept, sensed }
+        let watch = &();
+        Self { twin, parts, features, rated, shares, scale_error, watch, kept, sensed }
+    }
+
+    /// The same recordings, in work that `watch` may end.
+    pub fn watched(self, watch: &'a dyn Watch) -> Self {
+        Self { watch, ..self }
     }
 
     pub fn joints(&self) -> usize {

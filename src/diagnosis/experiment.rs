@@ -97,7 +97,7 @@ pub fn next(
     let Experiment { says, kind, acceleration_rad_s2, .. } = &MENU[best];
     let kind = serde_json::to_string(kind).unwrap_or_default();
     format!(
-        "to tell {first} from {second}: {says} ({:.0} nats in {LENGTH_S:.0} s); in a scenario of \
+        "to tell {first} from {second}: {says} (evidence of {:.0} nats in {LENGTH_S:.0} s, where 3 are odds of 20 to 1); in a scenario of \
          `armtwin simulate`: [motion] kind = {kind}, acceleration_rad_s2 = {acceleration_rad_s2}{}",
         nats[best],
         designed(rivals.map(|h| h.trial.candidate), &MENU[best])

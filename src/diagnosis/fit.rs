@@ -8,6 +8,7 @@ use super::data::Data;
 use super::model::Model;
 use super::observed::Observed;
 use crate::effects::{Motion, Rigid, Role};
+use crate::follow::go_on;
 use crate::regression::random_effects::{Metric, Profile};
 use crate::regression::{Blocks, Column, Normal, Raw, System};
 use crate::series::JointSeries;
@@ -61,6 +62,7 @@ impl<'a> Fit<'a> {
     }
 
     fn once(data: &'a Data<'a>, mut model: Model, sizes: Vec<Vec<u8>>) -> Self {
+        go_on(data.watch);
         let built: Vec<Built> = data.parts.iter().map(|p| Built::new(p, &model)).collect();
         let columns = columns(data, &model, &built);
         let y = recorded(data, &model, &built);

@@ -177,6 +177,7 @@ fn squared_inertia(samples: &Samples, twin: &Twin) -> Vec<Vec<f64>> {
     let dof = samples.joints();
     let mut mean = vec![vec![0.0; dof]; dof];
     let mut workspace = Workspace::new(&twin.robot);
+    let rotors = twin.whole_drive().rotor_inertia;
     let mut q = vec![0.0; dof];
     let poses: Vec<usize> = (0..samples.len()).step_by((samples.len() / POSES).max(1)).collect();
     for &k in &poses {
@@ -184,17 +185,12 @@ fn squared_inertia(samples: &Samples, twin: &Twin) -> Vec<Vec<f64>> {
         let m = mass_matrix(&twin.robot, &mut workspace, &q);
         for (i, row) in mean.iter_mut().enumerate() {
             for (j, sum) in row.iter_mut().enumerate() {
-                let rotor = if i == j { rotor_inertia(twin, i) } else { 0.0 };
+                let rotor = if i == j { rotors[i] } else { 0.0 };
                 *sum += (m[(i, j)] + rotor).powi(2) / poses.len() as f64;
             }
         }
     }
     mean
-}
-
-fn rotor_inertia(twin: &Twin, joint: usize) -> f64 {
-    let given = twin.values.get("rotor_inertia").unwrap_or(&twin.drive.rotor_inertia);
-    given.get(joint).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -11,8 +11,9 @@ use super::criteria::Criteria;
 use super::data::Data;
 use super::fit::Fit;
 use super::model::Model;
-use super::refine::{self, Trial};
+use super::refine;
 use super::screen::{Screened, screen};
+use super::trial::{self, Trial};
 
 /// Candidates that are refined and weighed in full: a screening is right to within a few.
 pub const WEIGHED: usize = 10;
@@ -129,7 +130,7 @@ impl<'a> Hypotheses<'a> {
         let worth: Vec<Screened> = worth.take(most).collect();
         let as_screened = |s: &Screened| {
             let beside = state.clone().beside(s.sizes.clone());
-            let trial = refine::evaluate(&beside, &s.trial, s.trial.nonlinear.clone());
+            let trial = trial::evaluate(&beside, &s.trial, s.trial.nonlinear.clone());
             self.adopted(state, &beside, trial)
         };
         let mut ranked: Vec<Hypothesis> = worth.par_iter().map(as_screened).collect();
@@ -200,7 +201,7 @@ impl<'a> Hypotheses<'a> {
             let cause = &last.model.causes[i];
             let without = self.without(last, i);
             let mut ranked = self.rivals(last, &without, cause.candidate, WEIGHED);
-            let trial = refine::tried(&without, cause);
+            let trial = trial::tried(&without, cause);
             let beside = without.clone().beside(last.sizes.clone());
             ranked.push(self.adopted(&without, &beside, trial));
             ranked.sort_by(|a, b| b.nats.total_cmp(&a.nats));

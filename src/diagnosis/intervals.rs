@@ -9,28 +9,17 @@
 use super::candidate::{Candidate, Extent};
 use super::discrepancy::MASSES;
 use super::fit::Fit;
-use super::{Value, slow, windows};
+use super::independent::{LEVEL, independent};
+use super::{Value, windows};
 use crate::effects::{Parameter, Ratio, Role};
 use crate::regression::{Normal, Raw, System};
-use crate::statistics::{effective_samples, normal_quantile, student_quantile};
+use crate::statistics::{normal_quantile, student_quantile};
 
-/// Confidence level of the intervals.
-pub const LEVEL: f64 = 0.9;
 /// Relative step of a nonlinear parameter for its slope; a hundredth of its range for zero.
 const DIFFERENCE: f64 = 1e-3;
 /// Relative step where columns follow a reference and may jump: what they do over a small step says nothing
 /// of what they do over a wide one.
 const WIDE_DIFFERENCE: f64 = 0.2;
-
-/// Values of every cause with intervals, in the order of the causes. Of what outruns the motion those
-/// of slow torque, which tells them better.
-pub fn values(fit: &Fit<'_>) -> Vec<Vec<Value>> {
-    let mut values = of_fit(fit);
-    for (i, of_cause) in slow::values(fit).into_iter().flatten() {
-        values[i] = of_cause;
-    }
-    values
-}
 
 /// Values of every cause with intervals, of a fit as it is.
 pub(super) fn of_fit(fit: &Fit<'_>) -> Vec<Vec<Value>> {
@@ -198,22 +187,6 @@ fn half_width(systems: &Systems, direction: &[(usize, f64)]) -> f64 {
 
 /// Multiple of the variance from all joints from which on the others do not tell a parameter.
 const UNTOLD: f64 = 100.0;
-
-/// Share of each joint's rows that is independent in what model and discrepancy leave, over that by which
-/// they count already.
-pub(super) fn independent(fit: &Fit<'_>) -> Vec<f64> {
-    let shares = shares(fit).into_iter().zip(&fit.data.shares);
-    shares.map(|(now, counted)| now / counted).collect()
-}
-
-/// Share of each joint's rows that is independent in what model and discrepancy leave.
-pub(super) fn shares(fit: &Fit<'_>) -> Vec<f64> {
-    let share = |rows: Vec<f64>| match rows.len() {
-        0 => 1.0,
-        n => effective_samples(&rows) / n as f64,
-    };
-    (0..fit.data.joints()).map(|j| share(fit.innovations(j))).collect()
-}
 
 /// d torque / d nonlinear parameter `k` of cause `i`, N.m per unit.
 fn slope(fit: &Fit<'_>, i: usize, k: usize, p: &Parameter) -> Raw {

@@ -11,7 +11,7 @@ use super::candidate::Candidate;
 use super::criteria::Criteria;
 use super::data::Data;
 use super::fit::Fit;
-use super::intervals::LEVEL;
+use super::independent::LEVEL;
 use super::model::Model;
 use crate::regression::Column;
 use crate::statistics::normal_quantile;

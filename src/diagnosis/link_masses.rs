@@ -6,7 +6,7 @@
 use super::Settings;
 use super::discrepancy::{MASSES, mass_errors};
 use super::fit::Fit;
-use super::intervals::LEVEL;
+use super::independent::LEVEL;
 use super::observed::Observed;
 use crate::regression::bounds::Bounds;
 use crate::regression::{Blocks, Column, Raw};

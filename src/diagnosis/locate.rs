@@ -11,8 +11,10 @@ use super::model::Model;
 use super::observed::Observed;
 use super::refine;
 use super::screen::screen;
+use super::trial;
 use super::{DiagnosisError, Settings};
 use crate::effects::{Effect, Role, Scope};
+use crate::follow::{Watch, stoppable};
 use crate::identification::{Located, Terms};
 use crate::signals::Samples;
 use crate::twin::Twin;
@@ -24,14 +26,25 @@ const ROUNDS: usize = 4;
 /// Gains of log-likelihood that are worth another round, nats.
 const SETTLED: f64 = 0.5;
 
-/// Every effect of `terms` whose nonlinear parameters the twin leaves open, wherever it may act.
+/// Every effect of `terms` whose nonlinear parameters the twin leaves open, wherever it may act; in
+/// work that `watch` may end.
 ///
 /// # Errors
-/// If no joint slides long enough.
+/// If no joint slides long enough, or it is ended.
 pub fn locate(
     samples: &Samples,
     twin: &Twin,
     terms: &Terms,
+    watch: &dyn Watch,
+) -> Result<Vec<Located>, DiagnosisError> {
+    stoppable(watch, || searched(samples, twin, terms, watch))?
+}
+
+fn searched(
+    samples: &Samples,
+    twin: &Twin,
+    terms: &Terms,
+    watch: &dyn Watch,
 ) -> Result<Vec<Located>, DiagnosisError> {
     let open = terms.open_nonlinear(twin);
     if open.is_empty() {
@@ -44,7 +57,7 @@ pub fn locate(
     let samples = &twin.correct(samples);
     let floor = noise_floor(samples, &twin);
     let observed = Observed::new(0, &twin, samples, &floor)?;
-    let data = Data::new(vec![&observed], &Settings::default());
+    let data = Data::new(vec![&observed], &Settings::default()).watched(watch);
     let mut model = Model::of(&twin);
     for (joint, effects) in given.into_iter().enumerate() {
         for (effect, nonlinear) in effects {
@@ -108,7 +121,7 @@ pub(super) fn refine_together(data: &Data<'_>, model: &mut Model, sought: &[usiz
         let mut gained = 0.0f64;
         for &i in sought {
             let others = Fit::plain(data, model.without(i));
-            let now = refine::tried(&others, &model.causes[i]);
+            let now = trial::tried(&others, &model.causes[i]);
             let again = screen(&others, &[model.causes[i].candidate]);
             let starts = again.into_iter().map(|s| s.trial).chain([now.clone()]);
             let refined = starts.map(|start| refine::refine(&others, &start));

@@ -20,10 +20,7 @@ pub fn mend(twin: &Twin, fitted: &BTreeMap<String, Vec<f64>>, causes: &[Cause]) 
     for cause in causes {
         add(&mut mended, cause);
     }
-    if let Some(inertia) = mended.values.remove("rotor_inertia") {
-        mended.drive.rotor_inertia = inertia;
-    }
-    mended.effects.retain(|e| e != "rotor_inertia");
+    mended.settle_drive();
     keep_physical(&mut mended);
     mended
 }

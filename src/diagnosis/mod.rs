@@ -12,11 +12,13 @@ mod data;
 mod discrepancy;
 mod episodes;
 mod experiment;
+mod findings;
 mod fit;
 mod floor;
 mod gap;
 mod held_out;
 mod hypotheses;
+mod independent;
 mod intervals;
 mod judge;
 mod kept;
@@ -43,6 +45,7 @@ mod slopes;
 mod slow;
 mod touches;
 mod traces;
+mod trial;
 mod unexplained;
 mod untestable;
 mod verdict;
@@ -67,6 +70,7 @@ pub use reasons::by_reason;
 pub use shrink::{BeforeAfter, torque_shrink};
 pub use traces::{Held, JointTraces, Traces};
 
+use crate::follow::{Interrupted, Watch, stoppable};
 use crate::signals::Samples;
 use crate::twin::Twin;
 
@@ -105,6 +109,8 @@ pub enum DiagnosisError {
     Signals(#[from] crate::signals::SignalError),
     #[error("{0}")]
     Recording(String),
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 impl DiagnosisError {
@@ -130,21 +136,32 @@ pub fn diagnose(
     check: &Samples,
     settings: &Settings,
 ) -> Result<Diagnosis, DiagnosisError> {
-    Ok(diagnose_traced(twin, fit, check, settings)?.0)
+    Ok(diagnose_traced(twin, fit, check, settings, &())?.0)
 }
 
-/// The answer of [`diagnose`] with what it rests on, sample by sample.
+/// The answer of [`diagnose`] with what it rests on, sample by sample, in work that `watch` may end.
 ///
 /// # Errors
-/// As [`diagnose`].
+/// As [`diagnose`], and if it is ended.
 pub fn diagnose_traced(
     twin: &Twin,
     fit: &Samples,
     check: &Samples,
     settings: &Settings,
+    watch: &dyn Watch,
+) -> Result<(Diagnosis, Traces), DiagnosisError> {
+    stoppable(watch, || with_guard(twin, fit, check, settings, watch))?
+}
+
+fn with_guard(
+    twin: &Twin,
+    fit: &Samples,
+    check: &Samples,
+    settings: &Settings,
+    watch: &dyn Watch,
 ) -> Result<(Diagnosis, Traces), DiagnosisError> {
     let samples = [twin.correct(fit), twin.correct(check)];
-    let first = once(twin, &samples, settings)?;
+    let first = once(twin, &samples, settings, watch)?;
     // A torque that is recorded late shows that of the standing joint when it slides again.
     let guard_s = LATE * delay_s(&first.0);
     if samples.iter().all(|s| s.conditioning.guard_s >= guard_s - 0.5 * s.dt) {
@@ -154,7 +171,7 @@ pub fn diagnose_traced(
         s.conditioning.guard_s = s.conditioning.guard_s.max(guard_s);
         s
     });
-    once(twin, &fewer, settings)
+    once(twin, &fewer, settings, watch)
 }
 
 /// Multiple of the torque's delay that is left out beside standstill: the first one found is too short for
@@ -171,6 +188,7 @@ fn once(
     twin: &Twin,
     samples: &[Samples; 2],
     settings: &Settings,
+    watch: &dyn Watch,
 ) -> Result<(Diagnosis, Traces), DiagnosisError> {
     let floors = samples.each_ref().map(|s| noise_floor(s, twin));
     let observed = |i: usize, which: &str| {
@@ -178,9 +196,9 @@ fn once(
         observed.map_err(|error| error.of(which))
     };
     let (fit, check) = (observed(0, "fit")?, observed(1, "check")?);
-    let both = counted(data::Data::new(vec![&fit, &check], settings));
-    let alone = counted(data::Data::new(vec![&fit], settings));
-    let other = counted(data::Data::new(vec![&check], settings));
+    let both = counted(data::Data::new(vec![&fit, &check], settings).watched(watch));
+    let alone = counted(data::Data::new(vec![&fit], settings).watched(watch));
+    let other = counted(data::Data::new(vec![&check], settings).watched(watch));
     let search = |data, recordings: &[usize]| hypotheses::Hypotheses {
         data,
         candidates: candidate::candidates(twin, &settings.without, recordings),
@@ -190,7 +208,7 @@ fn once(
     let both = search(&both, &[0, 1]);
     let alone = search(&alone, &[0]);
     let floor = floors[1].clone();
-    let findings = verdict::Findings::new(&both, &alone, judge, [&fit, &check], floor, settings);
+    let findings = findings::Findings::new(&both, &alone, judge, [&fit, &check], floor, settings);
     let mut answer = findings.answer();
     let mended = mend(twin, &answer.fitted, &answer.changes());
     touches::touched(&mended, samples, &mut answer.episodes)?;
@@ -204,7 +222,7 @@ fn counted<'a>(data: data::Data<'a>) -> data::Data<'a> {
         let fit = fit::Fit::plain(&data, model::Model::of(data.twin));
         let all: Vec<usize> = (0..data.joints()).collect();
         let sizes = fit.likely_sizes(&all);
-        intervals::shares(&fit.beside(sizes))
+        independent::shares(&fit.beside(sizes))
     };
     data.counted(shares)
 }

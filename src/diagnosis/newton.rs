@@ -6,7 +6,7 @@
 //! their slopes (Golub, Pereyra, "Separable nonlinear least squares", Inverse Problems 19, 2003).
 
 use super::fit::Fit;
-use super::refine::{Trial, evaluate, linear_bounds, neighbours, priors, settled};
+use super::trial::{Trial, evaluate, linear_bounds, neighbours, priors, settled};
 use crate::regression::Column;
 use crate::regression::bounds::Bounds;
 

@@ -11,8 +11,9 @@ use rayon::prelude::*;
 use super::Value;
 use super::candidate::Place;
 use super::fit::Fit;
-use super::intervals::{LEVEL, independent};
-use super::refine::{self, Trial};
+use super::independent::{LEVEL, independent};
+use super::refine;
+use super::trial::{self, Trial};
 use crate::statistics::normal_quantile;
 
 /// Values along the range, by equal ratios.
@@ -45,14 +46,14 @@ fn spans(fit: &Fit<'_>, i: usize) -> Option<Vec<Span>> {
     let Place::Joint(joint) = term.candidate.place else { return None };
     let share = independent(fit)[joint];
     let others = Fit::plain(fit.data, fit.model.without(i));
-    let (k, mut trials) = along(&others, refine::tried(&others, term))?;
+    let (k, mut trials) = along(&others, trial::tried(&others, term))?;
     let best = trials.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?.clone();
     let room = |t: &Trial| 0.5 * normal_quantile(1.0 - LEVEL).powi(2) - share * best.ahead_of(t);
     trials.extend(edges(&others, &trials, k, |t| room(t) >= 0.0));
     let mut spans: Vec<Span> = Vec::new();
     for (trial, room) in trials.iter().map(|t| (t, room(t))).filter(|(_, room)| *room >= 0.0) {
         let deviations = (2.0 * room / share).sqrt();
-        let spread = refine::spread(&others, trial);
+        let spread = trial::spread(&others, trial);
         let linear = trial.linear.iter().zip(spread).enumerate();
         let linear = linear.map(|(i, (value, sd))| (i, *value, deviations * sd));
         for (i, value, half) in linear.chain([(term.linear.len() + k, trial.nonlinear[k], 0.0)]) {
@@ -79,7 +80,7 @@ fn edges(
         for _ in 0..HALVINGS {
             let mut nonlinear = within.nonlinear.clone();
             nonlinear[k] = (within.nonlinear[k] * beyond.nonlinear[k]).sqrt();
-            let middle = refine::evaluate(others, &within, nonlinear);
+            let middle = trial::evaluate(others, &within, nonlinear);
             let end = if inside(&middle) { &mut within } else { &mut beyond };
             *end = middle;
         }
@@ -100,7 +101,7 @@ fn along(others: &Fit<'_>, now: Trial) -> Option<(usize, Vec<Trial>)> {
     let at = |step: usize| {
         let mut nonlinear = now.nonlinear.clone();
         nonlinear[k] = min * (max / min).powf(step as f64 / (POINTS - 1) as f64);
-        refine::evaluate(others, &now, nonlinear)
+        trial::evaluate(others, &now, nonlinear)
     };
     let mut trials: Vec<Trial> = (0..POINTS).into_par_iter().map(at).collect();
     let found = optima(others, &trials);

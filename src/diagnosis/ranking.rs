@@ -2,10 +2,10 @@
 
 use super::candidate::Candidate;
 use super::criteria::Criteria;
+use super::findings::Findings;
 use super::fit::Fit;
 use super::hypotheses::{Hypothesis, Standing};
 use super::judge::Gain;
-use super::verdict::Findings;
 use super::{Cause, Named, Ranked};
 
 const NONE: &str = "none";

@@ -6,6 +6,7 @@ use super::fit::Fit;
 use super::hypotheses::{Hypotheses, WEIGHED};
 use super::refine;
 use super::slopes::of_cause;
+use super::trial;
 use crate::regression::bounds::Bounds;
 use crate::regression::{Column, Raw};
 
@@ -70,7 +71,7 @@ fn refined<'a>(
             continue;
         }
         let others = Fit::new(all.data, fit.model.without(i), fit.sizes.clone());
-        let trial = refine::tried(&others, &fit.model.causes[i]);
+        let trial = trial::tried(&others, &fit.model.causes[i]);
         let trial = refine::refine(&others, &trial);
         let better = all.tuned(Adopted::new(&others, trial).fit, &all.touched(*cause));
         if better.ln_evidence() > fit.ln_evidence() {
@@ -115,7 +116,7 @@ mod tests {
         let criteria = Criteria::default();
         let all = Hypotheses { data: &data, candidates: vec![delay, offset], criteria };
         let state = Fit::plain(&data, Model::of(&twin));
-        let too_short = refine::tried(&state, &Term::new(delay, vec![FOUND_S])).term();
+        let too_short = trial::tried(&state, &Term::new(delay, vec![FOUND_S])).term();
         let model = state.model.with(too_short).with(Term::new(offset, vec![]));
         let revised = revised(&all, Fit::plain(&data, model), vec![offset]);
         assert!(!revised.model.has(offset) && revised.model.has(delay));

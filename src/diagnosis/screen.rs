@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::fit::Fit;
-use super::refine::{Trial, linear_bounds, priors};
+use super::trial::{Trial, linear_bounds, priors};
 use super::{slopes, windows};
 use crate::regression::bounds::Bounds;
 use crate::regression::random_effects::Metric;

@@ -31,8 +31,20 @@ pub fn torque_shrink(pair: &BeforeAfter<'_>, floor_nm: &[f64], seed: u64) -> Tor
         fraction: total.fraction,
         low: total.low,
         high: total.high,
+        noise_floor_nm: noise.sqrt(),
         reducible: reducible(total.check_before_nm, total.check_after_nm, noise),
         joints: (0..pair.samples.joints()).map(|j| pair.joint(j)).collect(),
+    }
+}
+
+impl TorqueShrink {
+    /// Share of the mean square above the noise floor that is taken off, and the ends of its 90 % interval,
+    /// the floor taken as known; `None` where nothing was above the floor.
+    pub fn above_noise(&self) -> Option<[f64; 3]> {
+        let [before, floor] = [self.before_nm, self.noise_floor_nm].map(|nm| nm * nm);
+        let whole = before / (before - floor);
+        let end = |fraction: f64| (fraction * whole).min(1.0);
+        (before > floor).then(|| [self.reducible, end(self.low), end(self.high)])
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::candidate::{Candidate, Term, acts_on, sense};
 use super::fit::Fit;
-use super::refine::{Trial, neighbours, settled};
+use super::trial::{Trial, neighbours, settled};
 use crate::regression::{Blocks, Raw};
 
 /// Step of the difference that gives a slope, as a share of the way to a neighbouring start.

@@ -18,9 +18,19 @@ use super::observed::Observed;
 use super::profile;
 use crate::signals::{Conditioning, Samples};
 
+/// Values of every cause with intervals, in the order of the causes. Of what outruns the motion those
+/// of slow torque, which tells them better.
+pub fn values(fit: &Fit<'_>) -> Vec<Vec<Value>> {
+    let mut values = intervals::of_fit(fit);
+    for (i, of_cause) in slow(fit).into_iter().flatten() {
+        values[i] = of_cause;
+    }
+    values
+}
+
 /// Values of the causes that outrun the motion, with their indices; `None` where there are none, or
 /// where the torque of a recording has passed a low-pass already. Units as the catalogue has them.
-pub fn values(fit: &Fit<'_>) -> Option<Vec<(usize, Vec<Value>)>> {
+fn slow(fit: &Fit<'_>) -> Option<Vec<(usize, Vec<Value>)>> {
     let twin = fit.data.twin;
     let causes = fit.model.causes.iter().enumerate();
     let outruns = causes.filter(|(_, t)| t.candidate.effect.outruns_motion());
@@ -113,7 +123,7 @@ mod tests {
         let fit = Fit::plain(&data, Model::of(&twin).with(refine(&fit, &start).term()));
         let width = |values: &[Vec<Value>]| values[0][3].value / WIDTH_RAD - 1.0;
         let sharp = width(&intervals::of_fit(&fit));
-        let slow = width(&intervals::values(&fit));
+        let slow = width(&values(&fit));
         assert!(sharp.abs() > 0.03 && slow.abs() < 0.01, "{sharp} {slow}");
     }
 }

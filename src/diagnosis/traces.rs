@@ -1,12 +1,12 @@
 //! What a diagnosis rests on, sample by sample: the check recording, before and after the causes.
 
 use super::candidate::Term;
+use super::findings::Findings;
 use super::fit::Fit;
 use super::observed::Observed;
 use super::regimes::{conditions, transmitted};
-use super::verdict::Findings;
 use super::{Diagnosis, Floor, mend};
-use crate::effects::Scope;
+use crate::effects::{Effect, Scope, find};
 use crate::regression::Blocks;
 use crate::series::JointSeries;
 use crate::signals::Samples;
@@ -100,9 +100,8 @@ impl Traces {
 /// The twin without what acts in its joints, rotors excepted.
 fn masses(twin: &Twin) -> Twin {
     let mut bare = twin.clone();
-    let heavy =
-        |name: &str| crate::effects::find(name).is_some_and(|e| e.about().scope != Scope::Joint);
-    bare.effects.retain(|name| name == "rotor_inertia" || heavy(name));
+    let heavy = |e: &dyn Effect| e.stands_for().is_some() || e.about().scope != Scope::Joint;
+    bare.effects.retain(|name| find(name).is_some_and(heavy));
     bare
 }
 

@@ -4,50 +4,28 @@ use std::collections::BTreeMap;
 
 use super::answer::{Replaced, Unexplained};
 use super::called::{Called, called};
-use super::candidate::{Candidate, Place};
+use super::candidate::Place;
 use super::criteria::Criteria;
 use super::episodes::{Episode, episodes};
+use super::findings::Findings;
 use super::fit::Fit;
 use super::held_out::{self, HeldOut};
 use super::hypotheses::{Hypotheses, Standing};
-use super::judge::{Gain, Judge};
+use super::judge::Judge;
 use super::kinematics::{self, Lagging};
 use super::model::Model;
 use super::observed::Observed;
 use super::ranking::{self, named};
-use super::search::{Found, Round, Weighed, search};
+use super::search::{Round, Weighed, search};
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
     Cause, Checked, Diagnosis, Floor, Rejected, RoundEvidence, Scored, Settings, Shrink, Value,
-    Verdict, experiment, gap, intervals, link_masses, links, torque_shrink, words,
+    Verdict, experiment, gap, intervals, link_masses, links, slow, torque_shrink, words,
 };
 use crate::effects::Role;
 
 const SCHEMA: &str = "armtwin.diagnosis/1";
-
-/// Everything an answer is made from.
-pub struct Findings<'a> {
-    /// The search of both recordings.
-    pub search: &'a Hypotheses<'a>,
-    pub found: Found<'a>,
-    /// The fit with the causes that are called causes.
-    pub last: Fit<'a>,
-    pub standings: Vec<Standing<'a>>,
-    pub gains: Vec<Gain>,
-    /// What both recordings show together, and the fit recording alone does not.
-    pub unconfirmed: Vec<Candidate>,
-    /// What a search of the fit recording alone says of the check.
-    pub held: HeldOut,
-    pub fit: &'a Observed<'a>,
-    pub check: &'a Observed<'a>,
-    /// The twin alone, on the fit recording.
-    pub alone: Fit<'a>,
-    pub floor: Vec<Floor>,
-    /// Recorded velocities that lag.
-    pub lagging: Option<Lagging>,
-    pub settings: &'a Settings,
-}
 
 impl<'a> Findings<'a> {
     /// `both` is the search of both recordings, `blind` that of the fit recording alone.
@@ -141,7 +119,7 @@ impl<'a> Findings<'a> {
     /// What is named, and what helps the twin and is not named: the intervals of its values hold that it is
     /// absent.
     fn causes(&self) -> [Vec<Cause>; 2] {
-        let values = intervals::values(&self.last);
+        let values = slow::values(&self.last);
         // Slow torque may say that nothing is there.
         let inside = |i: &usize| values[*i].first().is_none_or(|v| !v.at_bound);
         let absent =

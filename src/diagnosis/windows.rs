@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::candidate::Candidate;
 use super::fit::Fit;
-use super::intervals::{LEVEL, independent};
+use super::independent::{LEVEL, independent};
 use super::model::Model;
 use crate::regression::{Column, Raw};
 

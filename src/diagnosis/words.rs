@@ -1,6 +1,7 @@
 //! A diagnosis in sentences.
 
 use super::{Cause, Diagnosis, Episode, Touch, UnexplainedJoint, Value, Verdict};
+use crate::numbers::digits;
 
 /// "joint 2", "joints 1, 3" or "the whole arm"; joints count from 1.
 pub fn place(joints: &[usize]) -> String {
@@ -16,49 +17,101 @@ pub fn list(joints: &[usize]) -> String {
     joints.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// What is wrong with the twin, where, how sure that is, and how far it helps, in one sentence.
+/// What is wrong with the twin, where, how sure that is, and how far it helps, in a few sentences.
 pub fn sentence(d: &Diagnosis) -> String {
-    let torque = &d.shrink.torque;
-    let shrinks = format!(
-        "With it the gap shrinks from {:.2} to {:.2} N.m on a recording that was not searched ({} of \
-         its mean square, {} to {}).",
-        torque.before_nm,
-        torque.after_nm,
-        percent(torque.fraction),
-        percent(torque.low),
-        percent(torque.high),
-    );
     let first = match d.verdict {
-        Verdict::NoGap => format!(
-            "No gap: the twin's torque agrees with the recorded one as far as its noise lets one \
-             see ({:.2} N.m apart).",
-            torque.before_nm
-        ),
-        Verdict::Explained => format!("{} {shrinks} No more than noise stays.", lacks(d)),
-        Verdict::PartlyExplained => format!("{} {shrinks} {}", lacks(d), stays(d)),
-        Verdict::Unexplained => format!(
-            "The twin differs by {:.2} N.m{}, and nothing of the catalogue explains it better than \
-             a discrepancy of any shape. {}",
-            torque.before_nm,
-            worst(d),
-            stays(d)
-        ),
+        Verdict::NoGap => no_gap(d),
+        Verdict::Explained => format!("{} {} No more than noise stays.", lacks(d), shrinks(d)),
+        Verdict::PartlyExplained => format!("{} {} {}", lacks(d), shrinks(d), stays(d)),
+        Verdict::Unexplained => format!("{} {}", unexplained(d), stays(d)),
     };
-    first + &pushes(d)
+    let pushed = pushes(d);
+    if pushed.is_empty() { first } else { format!("{first} {pushed}") }
 }
 
-/// The answer in two lines: what, where, how sure, how far.
+/// Letters that stand on two lines of a page.
+const TWO_LINES: usize = 160;
+
+/// The answer in two lines: how much of what lies above the noise, and what explains it.
 pub fn headline(d: &Diagnosis) -> String {
-    let torque = &d.shrink.torque;
-    let shrinks = format!(
-        " The gap shrinks from {:.2} to {:.2} N.m on a recording that was not searched.",
-        torque.before_nm, torque.after_nm
-    );
-    let first = match d.verdict {
-        Verdict::NoGap | Verdict::Unexplained => return sentence(d),
-        Verdict::Explained | Verdict::PartlyExplained => lacks(d) + &shrinks,
+    let found = match d.verdict {
+        Verdict::NoGap => return no_gap(d),
+        Verdict::Unexplained => return unexplained(d),
+        Verdict::Explained | Verdict::PartlyExplained => effects_found(d),
     };
-    first + &pushes(d)
+    let share = match d.shrink.torque.above_noise() {
+        Some([share, ..]) => format!("{} of the gap above the noise is explained", percent(share)),
+        None => "The gap is no larger than the noise, and yet it is explained".into(),
+    };
+    // The causes that count least wait for the table below.
+    let told = |n: usize| format!("{share}: the twin lacks {}.", listed(&found, n));
+    (1..=found.len())
+        .rev()
+        .map(told)
+        .find(|t| t.chars().count() <= TWO_LINES)
+        .unwrap_or_else(|| told(1))
+}
+
+/// What belongs to the headline: the gap in N.m, what stays, and who pushed.
+pub fn further(d: &Diagnosis) -> String {
+    let torque = &d.shrink.torque;
+    let sizes = format!(
+        "The gap shrinks from {:.2} to {:.2} N.m (noise: {:.2} N.m) on a recording that was not \
+         searched.",
+        torque.before_nm, torque.after_nm, torque.noise_floor_nm
+    );
+    let parts = match d.verdict {
+        Verdict::NoGap => vec![pushes(d)],
+        Verdict::Unexplained => vec![stays(d), pushes(d)],
+        Verdict::Explained => vec![sizes, "No more than noise stays.".into(), pushes(d)],
+        Verdict::PartlyExplained => vec![sizes, stays(d), pushes(d)],
+    };
+    parts.into_iter().filter(|p| !p.is_empty()).collect::<Vec<_>>().join(" ")
+}
+
+/// How far all causes together take the gap down: in N.m, and as a share of what lies above the noise.
+pub fn above_noise(d: &Diagnosis) -> String {
+    let t = &d.shrink.torque;
+    let share = match t.above_noise().map(|share| share.map(percent)) {
+        Some([share, low, high]) => format!(
+            "{share} of the gap above the noise is explained (90 % interval {low} to {high}; shares are of \
+             mean squares)"
+        ),
+        None => "nothing was above the noise".into(),
+    };
+    format!(
+        "{:.2} -> {:.2} N.m, of which {:.2} N.m are noise, on a recording that was not searched: {share}",
+        t.before_nm, t.after_nm, t.noise_floor_nm
+    )
+}
+
+fn no_gap(d: &Diagnosis) -> String {
+    format!(
+        "No gap: the twin's torque agrees with the recorded one as far as its noise lets one see ({:.2} \
+         N.m apart).",
+        d.shrink.torque.before_nm
+    )
+}
+
+fn unexplained(d: &Diagnosis) -> String {
+    format!(
+        "The twin differs by {:.2} N.m{}, and no effect of the catalogue explains it better than a \
+         discrepancy of any shape.",
+        d.shrink.torque.before_nm,
+        worst(d)
+    )
+}
+
+fn shrinks(d: &Diagnosis) -> String {
+    let torque = &d.shrink.torque;
+    let share = torque.above_noise().map_or(String::new(), |share| {
+        let [share, low, high] = share.map(percent);
+        format!(": {share} of what lies above the noise ({low} to {high})")
+    });
+    format!(
+        "With it the gap shrinks from {:.2} to {:.2} N.m on a recording that was not searched{share}.",
+        torque.before_nm, torque.after_nm
+    )
 }
 
 /// What the causes leave: how much, where, and on what it depends.
@@ -78,9 +131,9 @@ pub fn stays(d: &Diagnosis) -> String {
 }
 
 /// When something pushed at the arm, where a force on one link explains all joints.
-fn pushes(d: &Diagnosis) -> String {
+pub fn pushes(d: &Diagnosis) -> String {
     let all = stretches(d, |e| e.touch.is_some());
-    if all.is_empty() { all } else { format!(" Something pushes at the arm: {all}.") }
+    if all.is_empty() { all } else { format!("Something pushes at the arm: {all}.") }
 }
 
 /// Stretches that a force at the flange would explain, and no force on a link over time does.
@@ -103,9 +156,26 @@ fn stretches(d: &Diagnosis, which: impl Fn(&&Episode) -> bool) -> String {
 /// Causes told at once; more are in the table.
 const TOLD: usize = 3;
 
-/// "The twin lacks payload or link_inertia at joint 6 (2.81 kg; 97 % sure)."; every effect once, with
-/// all its joints and the least of their probabilities.
+/// "The twin lacks payload or link_inertia at joint 6 (2.81 kg; 97 % sure)."
 fn lacks(d: &Diagnosis) -> String {
+    format!("The twin lacks {}.", listed(&effects_found(d), TOLD))
+}
+
+/// The first `told` of them, and how many more there are.
+fn listed(all: &[String], told: usize) -> String {
+    let mut named = all[..told.min(all.len())].to_vec();
+    if all.len() > told {
+        named.push(format!("{} more", all.len() - told));
+    }
+    match named.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => named.concat(),
+    }
+}
+
+/// `payload or link_inertia at joint 6 (2.81 kg; 97 % sure)`; every effect once, with all its joints and the
+/// least of their probabilities.
+fn effects_found(d: &Diagnosis) -> Vec<String> {
     let alike = |a: &Cause, b: &Cause| a.effect == b.effect && a.joints.len() == b.joints.len();
     let is_first = |(i, c): &(usize, &Cause)| !d.causes[..*i].iter().any(|before| alike(before, c));
     let one = |(_, first): (usize, &Cause)| {
@@ -117,7 +187,7 @@ fn lacks(d: &Diagnosis) -> String {
             true => first.effect.clone(),
             false => format!("{} at {}", first.effect, place(&joints)),
         };
-        // Of several joints the table below says what looks the same at which.
+        // Where there are several joints the table below says what looks the same at which.
         let or = first.equivalent.first().filter(|_| all.len() == 1);
         let or = or.map_or(String::new(), |e| match e.joints.is_empty() {
             true => format!(" or {}", e.effect),
@@ -126,17 +196,7 @@ fn lacks(d: &Diagnosis) -> String {
         let value = if all.len() == 1 { value(first) } else { String::new() };
         format!("{name}{or} ({value}{} sure)", percent(least))
     };
-    let mut named: Vec<String> = d.causes.iter().enumerate().filter(is_first).map(one).collect();
-    let more = named.len().saturating_sub(TOLD);
-    named.truncate(TOLD);
-    if more > 0 {
-        named.push(format!("{more} more"));
-    }
-    let list = match named.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
-        _ => named.concat(),
-    };
-    format!("The twin lacks {list}.")
+    d.causes.iter().enumerate().filter(is_first).map(one).collect()
 }
 
 /// "payload_mass 2.81 kg, the twin has 0.14; "
@@ -145,14 +205,16 @@ fn value(cause: &Cause) -> String {
     let at = first.joint.map_or(String::new(), |j| format!(" at joint {j}"));
     let unit = if first.unit == "-" { String::new() } else { format!(" {}", first.unit) };
     let twin = cause.replaces.as_ref();
-    let twin = twin.map_or(String::new(), |r| format!(", the twin has {}", short(r.twin)));
-    format!("{} {}{unit}{at}{twin}; ", first.name, short(first.value))
+    let twin = twin.map_or(String::new(), |r| format!(", the twin has {}", digits(r.twin)));
+    // A name that says no more than the effect's is not said again.
+    let name = if first.name == cause.effect { String::new() } else { format!("{} ", first.name) };
+    format!("{name}{}{unit}{at}{twin}; ", digits(first.value))
 }
 
 /// `torque_constant: torque_gain_error 0.0223 (-0.0528 to 0.0974) helps and is in the mended twin; ...`
 pub fn adjustment(a: &Cause) -> String {
     let value = foremost(a).map_or(String::new(), |v| {
-        format!(": {} {} ({} to {})", parameter(v), short(v.value), short(v.low), short(v.high))
+        format!(": {} {} ({} to {})", parameter(v), digits(v.value), digits(v.low), digits(v.high))
     });
     format!(
         "{} at {}{value} helps and is in the mended twin; it is not named, for its interval holds that \
@@ -172,12 +234,6 @@ pub fn foremost(cause: &Cause) -> Option<&Value> {
 /// `link_mass` or, of several joints, `link_mass, joint 2`.
 pub fn parameter(v: &Value) -> String {
     v.joint.map_or(v.name.clone(), |j| format!("{}, joint {j}", v.name))
-}
-
-/// A number in three significant digits.
-fn short(x: f64) -> String {
-    let digits = (2 - x.abs().max(1e-12).log10().floor() as i32).clamp(0, 6);
-    format!("{x:.*}", digits as usize)
 }
 
 /// The joint where most of the gap lies, in words.

@@ -12,7 +12,10 @@
 //! where its load stays about zero floats in the gap; on what path, no recording foretells.
 
 use super::wind_up::lagging;
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission, starts};
+use super::{
+    About, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Transmission, Worked,
+    starts,
+};
 use crate::series::JointSeries;
 
 pub struct Backlash;
@@ -92,33 +95,34 @@ impl Effect for Backlash {
         starts::grid(ABOUT.parameters, &axes)
     }
 
-    fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
-        let reference = ABOUT.parameters.iter().rfind(|p| p.is_reference());
-        if let (Some(p), Some(gap0)) = (reference, nonlinear.last_mut()) {
-            *gap0 = p.clamp(linear[0]);
-        }
-    }
-
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
         let [stiffness, damping, gap] = *nonlinear else { return vec![] };
-        let teeth = Transmission { stiffness, damping, gap, ..Transmission::default() };
-        let law = before(motion.giving.get(from).copied().flatten(), teeth);
-        vec![lagging(motion, from, law, gap)]
+        let known = motion.giving.get(from).copied().flatten();
+        vec![lagging(motion, from, teeth(gap, stiffness, damping).before(known), gap)]
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
-        if values[0] > 0.0 {
-            let [gap, stiffness, damping] = [values[0], values[1], values[2]];
-            let teeth = Transmission { stiffness, damping, gap, ..Transmission::default() };
-            let slot = &mut mechanism.transmission[joint];
-            *slot = Some(before(*slot, teeth));
-        }
+        let law = teeth(values[0], values[1], values[2]);
+        mechanism.give_way(joint, values[0], law.before(mechanism.transmission[joint]));
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let (load, slope) = (11.772 * f64::cos(1.0), 11.772 * f64::sin(1.0));
+        let text =
+            "held at 1 rad: 11.772 sin(1) x (2e4 x 0.0005 + 11.772 cos(1)) / (2e4 - 11.772 sin(1))";
+        let values =
+            [("backlash_gap", 1e-3), ("backlash_stiffness", 2e4), ("backlash_damping", 20.0)];
+        let torque = slope * (10.0 + load) / (2e4 - slope);
+        let held = Worked::along(text, torque, &values, vec![[1.0, 0.0, 0.0]; 90]);
+        // Gravity is taken as a line over the wind-up.
+        Some(Worked { within: 1e-3, ..held })
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted_wind_up(&["backlash_gap"]))
     }
 }
 
-/// Slack teeth before an elastic joint: one spring after the other, and what else that has itself.
-fn before(elastic: Option<Transmission>, teeth: Transmission) -> Transmission {
-    let Some(elastic) = elastic else { return teeth };
-    let stiffness = 1.0 / (1.0 / elastic.stiffness + 1.0 / teeth.stiffness);
-    Transmission { stiffness, gap: teeth.gap, ..elastic }
+fn teeth(gap: f64, stiffness: f64, damping: f64) -> Transmission {
+    Transmission { stiffness, damping, gap, ..Transmission::default() }
 }

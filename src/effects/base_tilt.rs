@@ -4,7 +4,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, starts};
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked};
 use crate::robot::{Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
 
@@ -55,14 +55,6 @@ impl Effect for BaseTilt {
         &ABOUT
     }
 
-    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
-        starts::grid(ABOUT.parameters, &[])
-    }
-
-    fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
-        nonlinear.copy_from_slice(linear);
-    }
-
     fn reach(&self, motion: &Motion<'_>, _: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
         let [x, y] = *nonlinear else { return vec![] };
         let still = JointSeries::zeros(motion.q.joints(), motion.samples());
@@ -77,6 +69,16 @@ impl Effect for BaseTilt {
     fn build(&self, values: &[f64], _: usize, mechanism: &mut Mechanism) {
         let tilt = Rotation3::new(Vector3::new(values[0], values[1], 0.0));
         mechanism.robot.gravity = tilt.inverse() * mechanism.robot.gravity;
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let text = "3 kg x 9.81 m/s2 x 0.4 m sin(0.1), upright before it tilts";
+        let at = [std::f64::consts::FRAC_PI_2, 0.0, 0.0];
+        Some(Worked::torque(text, 11.772 * f64::sin(0.1), &[("tilt_y", 0.1)], at))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["tilt_x"]))
     }
 }
 

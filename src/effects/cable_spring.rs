@@ -3,7 +3,9 @@
 //! The rest angle q0 cannot be told from a constant torque.
 
 use super::hysteresis::{along, dahl};
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts,
+};
 
 pub struct CableSpring;
 
@@ -78,7 +80,7 @@ impl Effect for CableSpring {
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
         let q = motion.q.joint(joint);
         let spring = q.iter().map(|q| q - nonlinear[0]).collect();
-        vec![spring, along(q, |z, dq| dahl(z, dq, nonlinear[1]))]
+        vec![spring, along(q, |_, z, dq| dahl(z, dq, nonlinear[1]))]
     }
 
     /// A spring first of all: hysteresis over the angle without one is friction that creeps.
@@ -89,5 +91,19 @@ impl Effect for CableSpring {
     fn act(&self, values: &[f64], state: &JointState<'_>, z: &mut [f64], load: &mut JointLoad) {
         z[0] = dahl(z[0], state.qd * state.dt, values[3]);
         load.torque += values[0] * (state.q - values[2]) + values[1] * z[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let values = [
+            ("cable_stiffness", 2.0),
+            ("cable_hysteresis", 0.4),
+            ("cable_rest_angle", 0.5),
+            ("cable_slip_angle", 0.2),
+        ];
+        Some(Worked::torque("2 (1.5 - 0.5), nothing bent yet", 2.0, &values, [1.5, 0.0, 0.0]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["cable_stiffness"]))
     }
 }

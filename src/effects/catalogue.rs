@@ -1,6 +1,7 @@
 //! The one list: command line, docs, scenario keys and tests follow from it.
 
 use super::Effect;
+use crate::robot::DrivePart;
 
 /// Every effect armtwin knows, in the order of the docs. A twin adds up their torques in this order
 /// (what scales the drive's torque after what makes it, what turns gravity after what has mass, what jumps
@@ -42,6 +43,12 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &super::time_delay::TimeDelay,
     &super::quantisation::Quantisation,
 ];
+
+/// Effects that stand for a part of the drive, with that part and the name of their parameter.
+pub fn of_drive() -> impl Iterator<Item = (&'static dyn Effect, DrivePart, &'static str)> {
+    let part = |e: &&'static dyn Effect| Some((*e, e.stands_for()?, e.about().parameters[0].name));
+    CATALOGUE.iter().filter_map(part)
+}
 
 /// By the name in its `about`.
 pub fn find(name: &str) -> Option<&'static dyn Effect> {

@@ -2,7 +2,7 @@
 //!
 //! Inverse dynamics of the recorded motion does not know the controller.
 
-use super::{About, Effect, Mechanism, Parameter, Role, Scope, Seen};
+use super::{About, Effect, Mechanism, Parameter, Role, RoundTrip, Scope, Seen, Shown, Worked};
 
 pub struct ControllerMismatch;
 
@@ -74,5 +74,20 @@ impl Effect for ControllerMismatch {
         control.damping *= values[1];
         control.feedforward *= values[2];
         control.delay += values[3];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let values = [
+            ("controller_bandwidth", 0.5),
+            ("controller_damping", 0.7),
+            ("controller_friction", 0.9),
+            ("controller_delay", 0.004),
+        ];
+        let bandwidth = Shown::Mechanism(|m| m.control.bandwidth);
+        Some(Worked::of("half of what the twin's controller has", (0.5, "-"), &values, bandwidth))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::Strays { joint: 0, times: 1.5 })
     }
 }

@@ -1,6 +1,8 @@
 //! Coulomb friction: tau = Fc sign(qd).
 
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+};
 
 pub struct Coulomb;
 
@@ -34,6 +36,14 @@ impl Effect for Coulomb {
 
     fn act(&self, values: &[f64], _: &JointState, _: &mut [f64], load: &mut JointLoad) {
         load.dry += values[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        Some(Worked::torque("5 sign(-0.3)", -5.0, &[("coulomb", 5.0)], [0.0, -0.3, 0.0]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["coulomb"]))
     }
 }
 

@@ -4,7 +4,9 @@
 //! slides, dF cannot be told from a constant torque; standing joints tell them apart.
 
 use super::coulomb::sign;
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+};
 
 pub struct CoulombAsymmetry;
 
@@ -55,5 +57,14 @@ impl Effect for CoulombAsymmetry {
     fn act(&self, values: &[f64], state: &JointState<'_>, _: &mut [f64], load: &mut JointLoad) {
         load.dry += 0.5 * values[0] * sign(state.qd);
         load.damping += 0.5 * values[1] * sign(state.qd);
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let values = [("coulomb_asymmetry", 1.0), ("viscous_asymmetry", 0.6)];
+        Some(Worked::torque("1/2 + 0.6/2 |-0.5|", 0.65, &values, [0.0, -0.5, 0.0]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["coulomb_asymmetry"]))
     }
 }

@@ -1,6 +1,9 @@
 //! Constant torque: tau = c, whatever the motion.
 
-use super::{About, DriveKind, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{
+    About, DriveKind, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope,
+    Worked,
+};
 
 pub struct CurrentOffset;
 
@@ -38,5 +41,18 @@ impl Effect for CurrentOffset {
 
     fn act(&self, values: &[f64], _: &JointState, _: &mut [f64], load: &mut JointLoad) {
         load.torque += values[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        Some(Worked::torque(
+            "-0.7, whatever the motion",
+            -0.7,
+            &[("current_offset", -0.7)],
+            [1.0; 3],
+        ))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["current_offset"]))
     }
 }

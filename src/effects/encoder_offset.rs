@@ -6,7 +6,7 @@
 //! its own.
 
 use super::rigid;
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, starts};
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked};
 use crate::series::JointSeries;
 
 pub struct EncoderOffset;
@@ -52,14 +52,6 @@ impl Effect for EncoderOffset {
         &ABOUT
     }
 
-    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
-        starts::grid(ABOUT.parameters, &[])
-    }
-
-    fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
-        nonlinear.copy_from_slice(linear);
-    }
-
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
         let [reference] = *nonlinear else { return vec![] };
         let offset = if reference.abs() < TANGENT_RAD { TANGENT_RAD } else { reference };
@@ -74,5 +66,15 @@ impl Effect for EncoderOffset {
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         mechanism.encoder_zero[joint] += values[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let text = "3 kg x 9.81 m/s2 x 0.4 m sin(0.1), shown upright";
+        let at = [std::f64::consts::FRAC_PI_2, 0.0, 0.0];
+        Some(Worked::torque(text, 11.772 * f64::sin(0.1), &[("encoder_offset", 0.1)], at))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["encoder_offset"]))
     }
 }

@@ -4,7 +4,10 @@
 
 use nalgebra::{Matrix3xX, Vector3};
 
-use super::{About, ArmState, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{
+    About, ArmState, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope,
+    Worked,
+};
 use crate::robot::{Robot, flange_placement, point_jacobian};
 use crate::series::JointSeries;
 
@@ -135,6 +138,20 @@ impl Effect for ExternalContact {
             let at_joint = per_force.fixed_view::<3, 1>(0, state.joint);
             load.torque += at_joint.dot(&Vector3::new(values[0], values[1], values[2]));
         }
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let values = [
+            ("contact_z", -20.0),
+            ("contact_start", 0.0),
+            ("contact_duration", 1.0),
+            ("contact_height", 1.0),
+        ];
+        Some(Worked::torque("20 N x 0.5 m, downwards at the flange", 10.0, &values, [0.0; 3]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["contact_z"]))
     }
 }
 

@@ -2,7 +2,9 @@
 //!
 //! Inner is the joint before (towards the base), outer the one after; at the ends there is none.
 
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Shown, Worked,
+};
 
 pub struct JointCoupling;
 
@@ -61,5 +63,14 @@ impl Effect for JointCoupling {
         let speed = |at: Option<usize>| at.and_then(|j| state.arm.qd.get(j)).unwrap_or(&0.0);
         load.torque += values[0] * speed(state.joint.checked_sub(1))
             + values[1] * speed(Some(state.joint + 1));
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let values = [("coupling_inner", 2.0), ("coupling_outer", -3.0)];
+        Some(Worked::of("2 x 0.5 - 3 x 0.2", (0.4, "N.m"), &values, Shown::Between([0.5, 0.2])))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["coupling_outer"]))
     }
 }

@@ -13,7 +13,10 @@
 //! makes it look stiff.
 
 use super::wind_up::lagging;
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Transmission, starts};
+use super::{
+    About, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Transmission, Worked,
+    starts,
+};
 use crate::series::JointSeries;
 
 pub struct JointFlexibility;
@@ -113,38 +116,44 @@ impl Effect for JointFlexibility {
         starts::grid(ABOUT.parameters, &axes)
     }
 
-    fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
-        let reference = ABOUT.parameters.iter().rfind(|p| p.is_reference());
-        if let (Some(p), Some(c0)) = (reference, nonlinear.last_mut()) {
-            *c0 = p.clamp(linear[0]);
-        }
-    }
-
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
-        let [hardening, damping, hysteresis, hysteresis_width, reference] = *nonlinear else {
-            return vec![];
-        };
-        let law = Transmission {
-            stiffness: 1.0 / reference,
-            hardening,
-            damping,
-            gap: 0.0,
-            hysteresis,
-            hysteresis_width,
-        };
-        vec![lagging(motion, from, law, reference)]
+        let Some((&reference, law)) = nonlinear.split_last() else { return vec![] };
+        vec![lagging(motion, from, spring(reference, law), reference)]
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
-        if values[0] > 0.0 {
-            mechanism.transmission[joint] = Some(Transmission {
-                stiffness: 1.0 / values[0],
-                hardening: values[1],
-                damping: values[2],
-                gap: 0.0,
-                hysteresis: values[3],
-                hysteresis_width: values[4],
-            });
-        }
+        mechanism.give_way(joint, values[0], spring(values[0], &values[1..]));
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let (load, slope) = (11.772 * f64::cos(1.0), 11.772 * f64::sin(1.0));
+        let text = "held at 1 rad: 11.772 sin(1) x 11.772 cos(1) / (1e4 - 11.772 sin(1))";
+        let values = [
+            ("joint_compliance", 1e-4),
+            ("joint_damping", 20.0),
+            ("joint_hardening", 0.0),
+            ("joint_hysteresis", 0.0),
+            ("hysteresis_width", 1e-3),
+        ];
+        let torque = slope * load / (1e4 - slope);
+        let held = Worked::along(text, torque, &values, vec![[1.0, 0.0, 0.0]; 90]);
+        // Gravity is taken as a line over the wind-up.
+        Some(Worked { within: 1e-3, ..held })
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted_wind_up(&["joint_compliance"]))
+    }
+}
+
+/// Of a compliance, and of hardening, damping, hysteresis and its width.
+fn spring(compliance: f64, law: &[f64]) -> Transmission {
+    Transmission {
+        stiffness: 1.0 / compliance,
+        hardening: law[0],
+        damping: law[1],
+        gap: 0.0,
+        hysteresis: law[2],
+        hysteresis_width: law[3],
     }
 }

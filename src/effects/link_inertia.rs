@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, starts};
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked};
 use crate::robot::{Inertia, Robot};
 use crate::series::JointSeries;
 
@@ -48,18 +48,6 @@ impl Effect for LinkInertia {
         &ABOUT
     }
 
-    /// One: small changes are linear enough to settle from.
-    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
-        starts::grid(ABOUT.parameters, &[])
-    }
-
-    fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
-        let references = ABOUT.parameters.iter().filter(|p| p.is_reference());
-        for ((r, value), p) in nonlinear.iter_mut().zip(linear).zip(references) {
-            *r = p.clamp(*value);
-        }
-    }
-
     fn reach(&self, motion: &Motion<'_>, from: usize, reference: &[f64]) -> Vec<JointSeries> {
         let body = motion.regressor(from);
         let inertia = &motion.robot.bodies[from].inertia;
@@ -76,6 +64,20 @@ impl Effect for LinkInertia {
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         let inertia = &mut mechanism.robot.bodies[joint].inertia;
         *inertia = changed(inertia, values).unwrap_or(*inertia);
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        Some(Worked::torque(
+            "0.1 kg.m x 9.81 m/s2, level",
+            0.981,
+            &[("link_moment_x", 0.1)],
+            [0.0; 3],
+        ))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        // Masses are told in combinations alone.
+        Some(RoundTrip::fitted(&[]))
     }
 }
 

@@ -5,7 +5,9 @@
 //! large.
 
 use super::coulomb::sign;
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+};
 
 pub struct LoadFriction;
 
@@ -46,5 +48,15 @@ impl Effect for LoadFriction {
 
     fn act(&self, values: &[f64], state: &JointState, _: &mut [f64], load: &mut JointLoad) {
         load.dry += values[0] * state.transmitted.abs();
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let level = "0.05 x 3 kg x 9.81 m/s2 x 0.4 m cos(60 deg)";
+        let at = [std::f64::consts::FRAC_PI_3, 0.1, 0.0];
+        Some(Worked::torque(level, 0.2943, &[("load_friction", 0.05)], at))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["load_friction"]))
     }
 }

@@ -2,8 +2,10 @@
 //!
 //! With the bristle's deflection w z: dz/dt = (qd - |qd| z / g(qd)) / w, g = 1 + e exp(-|qd / qd_s|).
 
-use super::hysteresis::dahl;
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
+use super::hysteresis::{along, bent};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts,
+};
 
 pub struct Lugre;
 
@@ -88,13 +90,8 @@ impl Effect for Lugre {
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
         let [width, excess, qd_s] = nonlinear else { return vec![] };
         let level = |qd: f64| curve(qd, *excess, *qd_s);
-        let (q, qd) = (motion.q.joint(joint), motion.qd.joint(joint));
-        let mut z = 0.0;
-        let bristle = |k: usize| {
-            z = bent(z, q[k] - q[k.max(1) - 1], *width, level(qd[k]));
-            z
-        };
-        let z: Vec<f64> = (0..q.len()).map(bristle).collect();
+        let qd = motion.qd.joint(joint);
+        let z = along(motion.q.joint(joint), |k, z, dq| bent(z, dq, *width, level(qd[k])));
         let rate = qd.iter().zip(&z).map(|(&qd, z)| qd - qd.abs() * z / level(qd)).collect();
         vec![z, rate]
     }
@@ -105,14 +102,27 @@ impl Effect for Lugre {
         z[0] = bent(z[0], qd * state.dt, values[2], level);
         load.torque += values[0] * z[0] + values[1] * (qd - qd.abs() * z[0] / level);
     }
+
+    fn worked(&self) -> Option<Worked> {
+        let values = [
+            ("lugre", 5.0),
+            ("lugre_damping", 3.0),
+            ("lugre_width", 2e-5),
+            ("lugre_excess", 0.3),
+            ("lugre_velocity", 0.05),
+        ];
+        let text =
+            "after 50 widths at the Stribeck velocity, where no bristle moves: 5 (1 + 0.3 / e)";
+        let result = 5.0 * (1.0 + 0.3 * f64::exp(-1.0));
+        Some(Worked::along(text, result, &values, vec![[0.0, 0.0, 0.0], [0.001, 0.05, 0.0]]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["lugre"]))
+    }
 }
 
 /// g(qd)
 fn curve(qd: f64, excess: f64, qd_s: f64) -> f64 {
     1.0 + excess * (-(qd / qd_s).abs()).exp()
-}
-
-/// The bristle after `dx` more at constant speed: Dahl's, scaled to the level.
-fn bent(z: f64, dx: f64, width: f64, level: f64) -> f64 {
-    level * dahl(z / level, dx, width * level)
 }

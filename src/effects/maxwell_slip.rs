@@ -3,7 +3,9 @@
 //! The springs slip after w/4, w and 4 w; in place of Coulomb friction, or of a part of it.
 
 use super::hysteresis::{along, slip};
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts,
+};
 
 pub struct MaxwellSlip;
 
@@ -81,7 +83,7 @@ impl Effect for MaxwellSlip {
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
         let q = motion.q.joint(joint);
-        let element = |share: f64| along(q, |z, dq| slip(z, dq, share * nonlinear[0]));
+        let element = |share: f64| along(q, |_, z, dq| slip(z, dq, share * nonlinear[0]));
         WIDTHS.map(element).to_vec()
     }
 
@@ -90,6 +92,18 @@ impl Effect for MaxwellSlip {
             *z = slip(*z, state.qd * state.dt, share * values[3]);
             load.torque += level * *z;
         }
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let values =
+            [("maxwell_1", 2.0), ("maxwell_2", 1.0), ("maxwell_3", 4.0), ("maxwell_width", 0.004)];
+        let text =
+            "the first slips, the second is half, the third an eighth of the way: 2 + 1/2 + 4/8";
+        Some(Worked::along(text, 3.0, &values, vec![[0.0, 0.0, 0.0], [0.002, 0.1, 0.0]]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&[]))
     }
 }
 

@@ -68,6 +68,13 @@ impl Transmission {
         self.stiffness + if self.hysteresis > 0.0 { bristles } else { 0.0 }
     }
 
+    /// These teeth before an elastic joint: one spring after the other, and what else that has itself.
+    pub(super) fn before(self, elastic: Option<Self>) -> Self {
+        let Some(elastic) = elastic else { return self };
+        let stiffness = 1.0 / (1.0 / elastic.stiffness + 1.0 / self.stiffness);
+        Self { stiffness, gap: self.gap, ..elastic }
+    }
+
     fn beyond_gap(&self, wind_up: f64) -> f64 {
         wind_up - wind_up.clamp(-0.5 * self.gap, 0.5 * self.gap)
     }
@@ -152,5 +159,12 @@ impl Mechanism {
     /// The robot with the rotor inertia of its drives, kg.m2.
     pub fn with_armature(robot: Robot, armature: Vec<f64>) -> Self {
         Self { armature, ..Self::new(robot) }
+    }
+
+    /// A joint gives way by a law; not at all where the gap or the compliance is none.
+    pub(super) fn give_way(&mut self, joint: usize, size: f64, law: Transmission) {
+        if size > 0.0 {
+            self.transmission[joint] = Some(law);
+        }
     }
 }

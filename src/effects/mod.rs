@@ -30,11 +30,13 @@ mod presliding;
 mod quantisation;
 mod rigid;
 mod rotor_inertia;
+mod round_trip;
 mod servo_damping;
 mod servo_dead_band;
 mod servo_delay;
 mod servo_gain;
 mod servo_offset;
+mod size;
 mod starts;
 mod state;
 mod stribeck;
@@ -48,18 +50,22 @@ mod viscous;
 mod viscous_cubic;
 mod viscous_quadratic;
 mod wind_up;
+mod worked;
 
 #[cfg(test)]
 mod tests;
 
-pub use catalogue::{CATALOGUE, find, names, order};
+pub use catalogue::{CATALOGUE, find, names, of_drive, order};
 pub use channels::Channels;
 pub use mechanism::{ControlChange, Mechanism, ServoChange, Transmission};
 pub use motion::Motion;
 pub use rigid::{Rigid, Slopes};
+pub use round_trip::RoundTrip;
+pub use size::Size;
 pub use state::{ArmState, JointLoad, JointState};
+pub use worked::{Shown, Worked};
 
-use crate::robot::{Drive, Robot};
+use crate::robot::{Drive, DrivePart, Robot};
 use crate::series::JointSeries;
 
 /// The values of all parameters of an effect, each from `given` by name; references that are not
@@ -99,10 +105,11 @@ pub struct Parameter {
     pub name: &'static str,
     pub symbol: &'static str,
     pub unit: &'static str,
-    /// Physical bounds, both attainable.
+    /// Physical bounds on an arm of the UR5's size, both attainable; on another they grow with it as the unit
+    /// says ([`Parameter::on`]).
     pub min: f64,
     pub max: f64,
-    /// Typical value of a UR5-class joint.
+    /// Typical value of a joint of a UR5.
     pub typical: f64,
     /// The value at which the effect vanishes.
     pub null: f64,
@@ -291,8 +298,13 @@ pub trait Effect: Sync {
     }
 
     /// Explain: where columns hold only near a reference that follows from the linear parameters
-    /// (a gap, a compliance), sets that reference. The columns are then worked out again.
-    fn settle(&self, _linear: &[f64], _nonlinear: &mut [f64]) {}
+    /// (a gap, a compliance), sets that reference. The columns are then worked out again. Each reference
+    /// takes the linear parameter of its place.
+    fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
+        let own = self.about().parameters.iter().filter(|p| p.role == Role::Nonlinear);
+        let references = own.zip(nonlinear).filter(|(p, _)| p.is_reference());
+        references.zip(linear).for_each(|((p, r), value)| *r = p.clamp(*value));
+    }
 
     /// Explain: is it still this effect with these linear parameters, some of which a sign constraint
     /// holds at zero? A load without mass is none.
@@ -330,10 +342,16 @@ pub trait Effect: Sync {
         false
     }
 
+    /// The part of a drive that its only parameter stands for. What the drive holds is then there without the
+    /// effect, values of the effect stand in its place, and a cause is a change of them.
+    fn stands_for(&self) -> Option<DrivePart> {
+        None
+    }
+
     /// Explain: how much of the first parameter, in its unit, the drive is known to have at `joint`
-    /// (from 0); a cause is a change of it, and may take it away.
-    fn in_drive(&self, _drive: &Drive, _joint: usize) -> f64 {
-        0.0
+    /// (from 0); a cause may take it away.
+    fn in_drive(&self, drive: &Drive, joint: usize) -> f64 {
+        self.stands_for().map_or(0.0, |part| drive.part(part)[joint])
     }
 
     /// Explain: undoes on one joint's conditioned channels what [`measure`](Effect::measure) did
@@ -360,4 +378,15 @@ pub trait Effect: Sync {
     /// Inject: what one joint's channels show of the truth; noise is in them, the rounding of
     /// the scenario's sensors comes after. Effects measure in the order of the catalogue.
     fn measure(&self, _values: &[f64], _channels: &mut Channels) {}
+
+    /// Proof: one number worked out by hand, apart from the code. Every effect of the catalogue has one.
+    fn worked(&self) -> Option<Worked> {
+        None
+    }
+
+    /// Proof: what comes back of the effect's scenario, simulated in rapier and explained. Every effect of the
+    /// catalogue says so.
+    fn round_trip(&self) -> Option<RoundTrip> {
+        None
+    }
 }

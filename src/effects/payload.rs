@@ -8,7 +8,9 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use super::{About, Effect, Mechanism, Motion, Parameter, Ratio, Role, Scope, starts};
+use super::{
+    About, Effect, Mechanism, Motion, Parameter, Ratio, Role, RoundTrip, Scope, Worked, starts,
+};
 use crate::robot::{Placement, Robot};
 use crate::series::JointSeries;
 
@@ -105,6 +107,23 @@ impl Effect for Payload {
             let about_com = possible(symmetric(&values[INERTIA]));
             mechanism.robot = mechanism.robot.with_payload(mass, com, about_com);
         }
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let text =
+            "(2 kg x 0.5 m + 0.1 kg.m) x 9.81 m/s2 + (2 kg (0.55 m)^2 + 0.02 kg.m2) x 3 rad/s2";
+        let values = [
+            ("payload_mass", 2.0),
+            ("payload_moment_x", 0.1),
+            ("payload_inertia_xx", 0.01),
+            ("payload_inertia_yy", 0.02),
+            ("payload_inertia_zz", 0.015),
+        ];
+        Some(Worked::torque(text, 10.791 + 1.875, &values, [0.0, 0.0, 3.0]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["payload_mass"]))
     }
 }
 

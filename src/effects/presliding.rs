@@ -3,7 +3,9 @@
 //! In place of Coulomb friction, or of a part of it: where both are given, they add up.
 
 use super::hysteresis::{along, dahl};
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts,
+};
 
 pub struct Presliding;
 
@@ -50,11 +52,22 @@ impl Effect for Presliding {
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
-        vec![along(motion.q.joint(joint), |z, dq| dahl(z, dq, nonlinear[0]))]
+        vec![along(motion.q.joint(joint), |_, z, dq| dahl(z, dq, nonlinear[0]))]
     }
 
     fn act(&self, values: &[f64], state: &JointState<'_>, z: &mut [f64], load: &mut JointLoad) {
         z[0] = dahl(z[0], state.qd * state.dt, values[1]);
         load.torque += values[0] * z[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let result = 5.0 * (1.0 - f64::exp(-1.0));
+        let values = [("presliding", 5.0), ("presliding_width", 0.002)];
+        let rows = vec![[0.0, 0.0, 0.0], [0.002, 0.1, 0.0]];
+        Some(Worked::along("5 (1 - exp(-0.002 / 0.002))", result, &values, rows))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["presliding"]))
     }
 }

@@ -2,7 +2,9 @@
 //!
 //! Nothing undoes it; it acts like white noise of step / sqrt(12) where a signal crosses many steps.
 
-use super::{About, Channels, Effect, Motion, Parameter, Role, Scope, Seen, starts};
+use super::{
+    About, Channels, Effect, Motion, Parameter, Role, RoundTrip, Scope, Seen, Shown, Worked, starts,
+};
 
 pub struct Quantisation;
 
@@ -67,5 +69,14 @@ impl Effect for Quantisation {
         for (channel, step) in [q, qd, torque].into_iter().zip(values).filter(|(_, s)| **s > 0.0) {
             channel.iter_mut().for_each(|x| *x = (*x / step).round() * step);
         }
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let values = [("position_step", 0.0), ("velocity_step", 0.4), ("torque_step", 0.3)];
+        Some(Worked::of("1.5 in steps of 0.4", (1.6, "rad/s"), &values, Shown::Ramp(|c| &c.qd)))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::Steps { channel: "actual_q", joint: 3, parameter: "position_step" })
     }
 }

@@ -1,7 +1,7 @@
 //! Rotor inertia as seen at the joint: tau = Ja qdd, Ja = N^2 J_motor.
 
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope};
-use crate::robot::Drive;
+use super::{About, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked};
+use crate::robot::DrivePart;
 
 pub struct RotorInertia;
 
@@ -33,11 +33,19 @@ impl Effect for RotorInertia {
         vec![motion.qdd.joint(joint).to_vec()]
     }
 
-    fn in_drive(&self, drive: &Drive, joint: usize) -> f64 {
-        drive.rotor_inertia[joint]
+    fn stands_for(&self) -> Option<DrivePart> {
+        Some(DrivePart::RotorInertia)
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         mechanism.armature[joint] += values[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        Some(Worked::torque("1.1 x (-2)", -2.2, &[("rotor_inertia", 1.1)], [0.3, 1.0, -2.0]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["rotor_inertia"]))
     }
 }

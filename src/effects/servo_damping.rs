@@ -3,7 +3,9 @@
 //! The motor's own voltage does it. Where the servo is never switched off it is viscous friction, and
 //! shows as that.
 
-use super::{About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, Scope};
+use super::{
+    About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+};
 
 pub struct ServoDamping;
 
@@ -49,5 +51,14 @@ impl Effect for ServoDamping {
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         mechanism.servo[joint].damping += values[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let text = "0.5 x -2 rad/s, switched on for the last second";
+        Some(Worked::along(text, -1.0, &[("servo_damping", 0.5)], vec![[0.0, -2.0, 0.0]; 60]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::Followed { within: 0.1 })
     }
 }

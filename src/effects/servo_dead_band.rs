@@ -2,7 +2,9 @@
 //!
 //! The column is worked out at w0 and holds where the fitted width comes near it.
 
-use super::{About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, Scope, starts};
+use super::{
+    About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts,
+};
 
 pub struct ServoDeadBand;
 
@@ -65,5 +67,14 @@ impl Effect for ServoDeadBand {
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         mechanism.servo[joint].dead_band += values[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let text = "0.03 of 0.1 rad do nothing: 20 N.m/rad x 0.03 rad";
+        Some(Worked::along(text, 0.6, &[("servo_dead_band", 0.03)], vec![[0.0; 3]]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::Followed { within: 0.1 })
     }
 }

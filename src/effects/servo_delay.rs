@@ -2,7 +2,9 @@
 //!
 //! The column is worked out at d0 and holds where the fitted delay comes near it.
 
-use super::{About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, Scope, starts};
+use super::{
+    About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts,
+};
 use crate::robot::servo::delayed;
 
 pub struct ServoDelay;
@@ -67,5 +69,14 @@ impl Effect for ServoDelay {
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         mechanism.servo[joint].delay += values[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let text = "10 ms of a command that rises by 0.5 rad/s: 20 N.m/rad x 0.005 rad";
+        Some(Worked::along(text, 0.1, &[("servo_delay", 0.01)], vec![[0.0; 3]; 2]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::Followed { within: 0.1 })
     }
 }

@@ -2,7 +2,9 @@
 //!
 //! What the assumed servo seems to give falls short of what the arm takes by -g K e.
 
-use super::{About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, Scope};
+use super::{
+    About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+};
 
 pub struct ServoGain;
 
@@ -51,5 +53,14 @@ impl Effect for ServoGain {
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         mechanism.servo[joint].gain *= 1.0 + values[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let text = "20 % less of 20 N.m/rad x 0.1 rad";
+        Some(Worked::along(text, 0.4, &[("servo_gain_error", -0.2)], vec![[0.3, 0.0, 0.0]]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::Followed { within: 0.1 })
     }
 }

@@ -1,6 +1,8 @@
 //! A position servo whose zero is not that of its command: tau = -K o.
 
-use super::{About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, Scope};
+use super::{
+    About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+};
 
 pub struct ServoOffset;
 
@@ -41,5 +43,14 @@ impl Effect for ServoOffset {
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         mechanism.servo[joint].offset += values[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let text = "-20 N.m/rad x -0.02 rad";
+        Some(Worked::along(text, 0.4, &[("servo_offset", -0.02)], vec![[0.0; 3]]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::Followed { within: 0.1 })
     }
 }

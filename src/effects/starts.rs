@@ -5,13 +5,12 @@ use super::{Motion, Parameter, Role};
 /// Values per parameter.
 const POINTS: usize = 7;
 
-/// The first nonlinear parameter spread over its range, the others at their typical values; one
-/// empty row where all parameters are linear.
+/// The first nonlinear parameter spread over its range, the others at their typical values; one row where
+/// there is none to search for: references follow by themselves.
 pub(super) fn spread(parameters: &[Parameter]) -> Vec<Vec<f64>> {
-    match parameters.iter().find(|p| p.role == Role::Nonlinear) {
-        Some(p) => grid(parameters, &[(p.name, between(p.min, p.max, POINTS))]),
-        None => vec![vec![]],
-    }
+    let searched = parameters.iter().find(|p| p.role == Role::Nonlinear && !p.is_reference());
+    let axis = searched.map(|p| (p.name, between(p.min, p.max, POINTS)));
+    grid(parameters, axis.as_slice())
 }
 
 /// [`spread`] from `min` to `max` instead of over the whole range.

@@ -3,7 +3,9 @@
 //! Exponents in use: 1 (Tustin, the paper) and 2 (a Gaussian, Armstrong).
 
 use super::coulomb::sign;
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts,
+};
 
 pub struct Stribeck;
 
@@ -66,6 +68,17 @@ impl Effect for Stribeck {
 
     fn act(&self, values: &[f64], state: &JointState, _: &mut [f64], load: &mut JointLoad) {
         load.dry += values[0] * share(state.qd, values[1], values[2]);
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let result = 2.0 * f64::exp(-4.0);
+        let values =
+            [("stribeck_excess", 2.0), ("stribeck_velocity", 0.05), ("stribeck_exponent", 2.0)];
+        Some(Worked::torque("2 exp(-(0.1 / 0.05)^2)", result, &values, [0.0, 0.1, 0.0]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["stribeck_excess"]))
     }
 }
 

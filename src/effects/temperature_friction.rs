@@ -4,7 +4,9 @@
 //! cannot be explained and its columns are zero.
 
 use super::coulomb::sign;
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+};
 
 pub struct TemperatureFriction;
 
@@ -59,6 +61,15 @@ impl Effect for TemperatureFriction {
         let warmer = state.temperature - REFERENCE_C;
         load.dry += values[0] * warmer;
         load.damping += values[1] * warmer;
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let values = [("coulomb_per_kelvin", -0.05), ("viscous_per_kelvin", -0.1)];
+        Some(Worked::torque("(-0.05 - 0.1 x 0.5) x (45 - 25)", -2.0, &values, [0.0, 0.5, 0.0]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["coulomb_per_kelvin"]))
     }
 }
 

@@ -11,16 +11,17 @@ use rand_chacha::ChaCha8Rng;
 use super::*;
 use samples::{DT, Samples, pendulum};
 
-/// Degrees of freedom of their own, or a servo's: what they inject is tested in the simulation.
-const STRUCTURAL: [&str; 7] = [
-    "backlash",
-    "joint_flexibility",
-    "servo_gain",
-    "servo_damping",
-    "servo_dead_band",
-    "servo_delay",
-    "servo_offset",
-];
+/// Does it give the arm degrees of freedom of their own, or change its servos? What it injects is then tested
+/// in the simulation.
+fn is_structural(effect: &dyn Effect) -> bool {
+    if effect.of_drive() == DriveKind::Servo {
+        return true;
+    }
+    let typical: Vec<f64> = effect.about().parameters.iter().map(|p| p.typical).collect();
+    let mut mechanism = Mechanism::new(pendulum());
+    effect.build(&typical, 0, &mut mechanism);
+    mechanism.transmission[0].is_some()
+}
 
 /// Effects that explain by columns.
 fn columned() -> impl Iterator<Item = &'static dyn Effect> {
@@ -105,6 +106,17 @@ fn declarations_are_complete() {
             assert!(!sign_free || p.min == -p.max, "{}: lopsided bounds", p.name);
         }
         assert_eq!(find(about.name).map(|e| e.about().name), Some(about.name));
+        let trip = effect.round_trip();
+        let trip = trip.unwrap_or_else(|| panic!("{}: say what comes back", about.name));
+        assert_eq!(
+            matches!(trip, RoundTrip::Fitted { .. } | RoundTrip::Followed { .. }),
+            has_columns,
+            "{}",
+            about.name
+        );
+        let shows = if let RoundTrip::Fitted { shows, .. } = trip { shows } else { &[] };
+        let own = |name: &&str| about.parameters.iter().any(|p| p.name == *name);
+        assert!(shows.iter().all(own), "{}: {shows:?}", about.name);
     }
     assert!(find("no_such_effect").is_none());
 }
@@ -146,7 +158,7 @@ fn vanishes_at_its_null_value() {
 #[test]
 fn explains_what_it_injects() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
-    for effect in columned().filter(|e| !STRUCTURAL.contains(&e.about().name)) {
+    for effect in columned().filter(|e| !is_structural(*e)) {
         let name = effect.about().name;
         for seed in 0..5 {
             let samples = Samples::random(seed);
@@ -217,7 +229,7 @@ fn references_follow_the_fitted_values() {
 #[test]
 fn dissipative_effects_take_energy() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
-    let injected = |e: &&'static dyn Effect| !STRUCTURAL.contains(&e.about().name);
+    let injected = |e: &&'static dyn Effect| !is_structural(*e);
     for effect in columned().filter(|e| e.about().dissipates).filter(injected) {
         for seed in 0..20 {
             let samples = Samples::random(seed);

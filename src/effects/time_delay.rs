@@ -3,7 +3,10 @@
 //! Corrected by delaying the motion as much, so that the model is shifted and not the current.
 
 use super::channels::delayed;
-use super::{About, Channels, DriveKind, Effect, Motion, Parameter, Role, Scope, Seen, starts};
+use super::{
+    About, Channels, DriveKind, Effect, Motion, Parameter, Role, RoundTrip, Scope, Seen, Shown,
+    Worked, starts,
+};
 
 pub struct TimeDelay;
 
@@ -54,5 +57,14 @@ impl Effect for TimeDelay {
         for motion in [q, qd, qdd] {
             *motion = delayed(motion, values[0], *dt);
         }
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let text = "a ramp of 2 N.m/s after 0.5 s: 2 (0.5 - 0.013)";
+        Some(Worked::of(text, (0.974, "N.m"), &[("time_delay", 0.013)], Shown::Ramp(|c| &c.torque)))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::Corrected { of_velocity: false })
     }
 }

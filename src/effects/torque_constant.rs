@@ -4,7 +4,9 @@
 //! known once it has a value, as in a diagnosis; before it has, as in a single fit, it comes out
 //! larger by the factor 1 + g. Needs a known load.
 
-use super::{About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, Scope};
+use super::{
+    About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+};
 use crate::robot::Robot;
 
 pub struct TorqueConstant;
@@ -53,6 +55,15 @@ impl Effect for TorqueConstant {
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         mechanism.torque_gain[joint] *= 1.0 + values[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let text = "10 % of 3 kg x 9.81 m/s2 x 0.4 m";
+        Some(Worked::torque(text, 1.1772, &[("torque_gain_error", 0.1)], [0.0; 3]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["torque_gain_error"]))
     }
 }
 

@@ -7,7 +7,9 @@
 
 use std::f64::consts::PI;
 
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope, starts};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts,
+};
 use crate::robot::Robot;
 
 pub struct TorqueRipple;
@@ -82,6 +84,16 @@ impl Effect for TorqueRipple {
     fn act(&self, values: &[f64], state: &JointState<'_>, _: &mut [f64], load: &mut JointLoad) {
         let (sin, cos) = (values[2] * state.q).sin_cos();
         load.torque += values[0] * sin + values[1] * cos;
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let values = [("ripple_sine", 0.3), ("ripple_cosine", 0.2), ("ripple_order", 2.0)];
+        let at = [std::f64::consts::FRAC_PI_4, 0.1, 0.0];
+        Some(Worked::torque("0.3 sin(2 x 45 deg) + 0.2 cos(2 x 45 deg)", 0.3, &values, at))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["ripple_sine"]))
     }
 }
 

@@ -2,7 +2,10 @@
 //!
 //! What was recorded is the clipped torque, and the motion belongs to it.
 
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, Scope, Seen, starts};
+use super::{
+    About, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Seen, Shown, Worked,
+    starts,
+};
 
 pub struct TorqueSaturation;
 
@@ -47,5 +50,19 @@ impl Effect for TorqueSaturation {
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {
         let limit = &mut mechanism.torque_limit[joint];
         *limit = limit.min(values[0]);
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let limit = Shown::Mechanism(|mechanism| mechanism.torque_limit[0]);
+        Some(Worked::of(
+            "clipped beyond its value",
+            (30.0, "N.m"),
+            &[("torque_limit", 30.0)],
+            limit,
+        ))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::Strays { joint: 0, times: 1.5 })
     }
 }

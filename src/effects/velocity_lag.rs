@@ -2,7 +2,9 @@
 //!
 //! Seen only where velocity and acceleration are made from the recorded velocity.
 
-use super::{About, Channels, Effect, Motion, Parameter, Role, Scope, Seen, starts};
+use super::{
+    About, Channels, Effect, Motion, Parameter, Role, RoundTrip, Scope, Seen, Shown, Worked, starts,
+};
 
 pub struct VelocityLag;
 
@@ -55,6 +57,16 @@ impl Effect for VelocityLag {
         let jerk = slope(qdd, *dt);
         qd.iter_mut().zip(qdd.iter()).for_each(|(qd, qdd)| *qd += values[0] * qdd);
         qdd.iter_mut().zip(jerk).for_each(|(qdd, jerk)| *qdd += values[0] * jerk);
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        let result = 3.0 * (0.5 - 0.05 + 0.05 * f64::exp(-10.0));
+        let text = "a ramp of 3 rad/s2 after 0.5 s: 3 (0.5 - 0.05 + 0.05 exp(-0.5 / 0.05))";
+        Some(Worked::of(text, (result, "rad/s"), &[("velocity_lag", 0.05)], Shown::Ramp(|c| &c.qd)))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::Corrected { of_velocity: true })
     }
 }
 

@@ -1,6 +1,8 @@
 //! Viscous friction: tau = Fv qd.
 
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+};
 
 pub struct Viscous;
 
@@ -34,5 +36,13 @@ impl Effect for Viscous {
 
     fn act(&self, values: &[f64], _: &JointState, _: &mut [f64], load: &mut JointLoad) {
         load.damping += values[0];
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        Some(Worked::torque("6 x (-0.5)", -3.0, &[("viscous", 6.0)], [0.0, -0.5, 0.0]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["viscous"]))
     }
 }

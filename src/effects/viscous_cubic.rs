@@ -1,6 +1,8 @@
 //! Cubic viscous friction: tau = F3 qd^3.
 
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+};
 
 pub struct ViscousCubic;
 
@@ -34,5 +36,13 @@ impl Effect for ViscousCubic {
 
     fn act(&self, values: &[f64], state: &JointState, _: &mut [f64], load: &mut JointLoad) {
         load.damping += values[0] * state.qd * state.qd;
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        Some(Worked::torque("4 x (-0.5)^3", -0.5, &[("viscous_cubic", 4.0)], [0.0, -0.5, 0.0]))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["viscous_cubic"]))
     }
 }

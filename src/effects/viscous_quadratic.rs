@@ -1,6 +1,8 @@
 //! Quadratic viscous friction: tau = F2 qd |qd|.
 
-use super::{About, Effect, JointLoad, JointState, Motion, Parameter, Role, Scope};
+use super::{
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+};
 
 pub struct ViscousQuadratic;
 
@@ -34,5 +36,18 @@ impl Effect for ViscousQuadratic {
 
     fn act(&self, values: &[f64], state: &JointState, _: &mut [f64], load: &mut JointLoad) {
         load.damping += values[0] * state.qd.abs();
+    }
+
+    fn worked(&self) -> Option<Worked> {
+        Some(Worked::torque(
+            "2 x (-0.5) |-0.5|",
+            -0.5,
+            &[("viscous_quadratic", 2.0)],
+            [0.0, -0.5, 0.0],
+        ))
+    }
+
+    fn round_trip(&self) -> Option<RoundTrip> {
+        Some(RoundTrip::fitted(&["viscous_quadratic"]))
     }
 }

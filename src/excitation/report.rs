@@ -7,10 +7,10 @@ use serde::Serialize;
 use super::ask::Ask;
 use super::baseline::RandomSines;
 use super::capsules::Surroundings;
-use super::design::Request;
 use super::limits::{Held, Limits, Reached};
 use super::question::{Answer, Question, Recorder};
-use crate::report::{paragraph, table};
+use super::request::Request;
+use crate::text::{paragraph, table};
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {

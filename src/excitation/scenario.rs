@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::effects::{Effect, Scope, find};
+use crate::effects::{Effect, Scope, Size, find};
 use crate::motion::{Kind, Settings};
 use crate::simulation::Scenario;
 use crate::twin::{DriveTable, PerJoint, Twin};
@@ -12,6 +12,7 @@ use crate::twin::{DriveTable, PerJoint, Twin};
 pub fn filled(twin: &Twin) -> Twin {
     let mut filled = twin.clone();
     let open: Vec<&dyn Effect> = twin.open().collect();
+    let size = Size::of(&twin.robot);
     for effect in open {
         let about = effect.about();
         let count = if about.scope == Scope::Arm { 1 } else { twin.robot.dof() };
@@ -20,7 +21,7 @@ pub fn filled(twin: &Twin) -> Twin {
             // A drive that is known to have some says how much.
             let drive = (0..count).map(|j| effect.in_drive(&twin.drive, j));
             let known = drive.clone().any(|x| x > 0.0);
-            let values = if known { drive.collect() } else { vec![p.typical; count] };
+            let values = if known { drive.collect() } else { vec![p.on(&size).typical; count] };
             filled.values.insert(p.name.into(), values);
         }
     }
@@ -30,10 +31,7 @@ pub fn filled(twin: &Twin) -> Twin {
 /// `twin` as [`filled`] makes it, moved along `motion`; checked along random sines of the same limits.
 pub fn scenario(twin: &Twin, motion: &Settings, seed: u64) -> Scenario {
     let each = |v: &Vec<f64>| Some(PerJoint::Each(v.clone()));
-    let rotors = match twin.values.contains_key("rotor_inertia") {
-        true => vec![0.0; twin.robot.dof()],
-        false => twin.drive.rotor_inertia.clone(),
-    };
+    let drive = twin.bare_drive();
     let names = || twin.effects.iter().filter_map(|name| find(name));
     let mut check = toml::Table::new();
     check.insert("kind".into(), kind_name(Kind::RandomFrequency));
@@ -43,7 +41,7 @@ pub fn scenario(twin: &Twin, motion: &Settings, seed: u64) -> Scenario {
         drive: DriveTable {
             gear_ratio: each(&twin.drive.gear_ratio),
             torque_constant: each(&twin.drive.torque_constant),
-            rotor_inertia: each(&rotors),
+            rotor_inertia: each(&drive.rotor_inertia),
             current_limit: twin.drive.current_limit.as_ref().and_then(each),
             torque_limit: twin.drive.torque_limit.as_ref().and_then(each),
         },

@@ -11,7 +11,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use sha2::{Digest, Sha256};
+use super::digest::sha256_of_file;
 
 const LIST: &str = ".armtwin";
 const HEAD: &str = "# Files that armtwin wrote here. It replaces them as long as they read so.\n";
@@ -111,16 +111,6 @@ fn is_same(a: &Path, b: &Path) -> bool {
     matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
 }
 
-/// SHA-256 of a file, hexadecimal.
-///
-/// # Errors
-/// If it cannot be read.
-pub fn digest(path: &Path) -> io::Result<String> {
-    let mut hash = Sha256::new();
-    io::copy(&mut File::open(path)?, &mut hash)?;
-    Ok(hash.finalize().iter().map(|b| format!("{b:02x}")).collect())
-}
-
 fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
@@ -135,7 +125,8 @@ fn listed(folder: &Path) -> Vec<(String, String)> {
 fn is_listed(path: &Path) -> bool {
     let name = name_of(path);
     let mut own = listed(folder_of(path)).into_iter().filter(|l| l.0 == name).peekable();
-    own.peek().is_some() && digest(path).is_ok_and(|found| own.any(|(_, digest)| digest == found))
+    own.peek().is_some()
+        && sha256_of_file(path).is_ok_and(|found| own.any(|(_, digest)| digest == found))
 }
 
 /// Notes that `path` will read so, beside what it reads now. Where the list cannot be written, the file

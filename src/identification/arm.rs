@@ -1,113 +1,18 @@
 //! All joints by each method.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::assemble::ArmProblem;
+use super::arm_problem::ArmProblem;
 use super::error::IdentificationError;
 use super::posterior::{self, Sampled};
+use super::prepared::Prepared;
 use super::problem::JointProblem;
-use super::quadratic::QuadraticCost;
-use super::{
-    Found, JointEstimate, MethodResult, ParameterEstimate, adaptive_metropolis, judge, pso,
-    separable, shared,
-};
-use crate::regression::bounds::Bounds;
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
-    /// The paper's swarm.
-    Pso,
-    /// Separable least squares refined by Levenberg-Marquardt.
-    Nlse,
-    /// Posterior by Markov chains.
-    Mcmc,
-}
-
-impl Method {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Pso => "pso",
-            Self::Nlse => "nlse",
-            Self::Mcmc => "mcmc",
-        }
-    }
-}
-
-/// How the swarm's cost is evaluated; the same number either way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Search {
-    /// Interpolated quadratic form ([`QuadraticCost`]).
-    #[default]
-    Quadratic,
-    /// The law at every sample.
-    Direct,
-}
-
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Settings {
-    pub methods: Vec<Method>,
-    /// Joint j's swarm and chains are seeded with `seed` + 2^32 j.
-    pub seed: u64,
-    pub pso: pso::Settings,
-    pub pso_cost: Search,
-    pub nlse: separable::Settings,
-    pub mcmc: adaptive_metropolis::Settings,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            methods: vec![Method::Pso, Method::Nlse],
-            seed: 1,
-            pso: pso::Settings::default(),
-            pso_cost: Search::default(),
-            nlse: separable::Settings::default(),
-            mcmc: adaptive_metropolis::Settings::default(),
-        }
-    }
-}
-
-/// One joint's problem with its payload taken off, ready to be searched.
-pub struct Prepared {
-    pub problem: JointProblem,
-    pub bounds: Bounds,
-    pub cost: QuadraticCost,
-    /// Time to prepare the problem and its `cost`, s.
-    seconds: f64,
-}
-
-impl Prepared {
-    /// # Errors
-    /// If bounds are the wrong way round.
-    pub fn new(problem: JointProblem) -> Result<Self, IdentificationError> {
-        let clock = Instant::now();
-        let bounds = problem.bounds()?;
-        let cost = QuadraticCost::new(&problem, &bounds);
-        Ok(Self { problem, bounds, cost, seconds: clock.elapsed().as_secs_f64() })
-    }
-
-    /// The global optimum by separable least squares.
-    pub fn separable(&self, settings: &separable::Settings) -> separable::Outcome {
-        separable::minimise(&self.problem, &self.cost, &self.bounds, settings)
-    }
-
-    /// The paper's swarm.
-    pub fn swarm(&self, settings: &Settings, seed: u64) -> pso::Outcome {
-        match settings.pso_cost {
-            Search::Quadratic => {
-                pso::minimise(|x| self.cost.rms(x), &self.bounds, &settings.pso, seed)
-            }
-            Search::Direct => {
-                let shared = pso::Settings { parallel: true, ..settings.pso };
-                pso::minimise(|x| self.problem.direct_cost(x), &self.bounds, &shared, seed)
-            }
-        }
-    }
-}
+use super::settings::{Method, Settings};
+use super::{Found, JointEstimate, MethodResult, ParameterEstimate, judge, shared};
+use crate::follow::{Watch, go_on, stoppable};
 
 /// What a search of one joint came to.
 struct Searched {
@@ -129,18 +34,27 @@ pub fn identify(
     check: Option<&ArmProblem>,
     settings: &Settings,
 ) -> Result<Vec<MethodResult>, IdentificationError> {
-    identify_telling(fit, check, settings, &|| {})
+    identify_watched(fit, check, settings, &())
 }
 
-/// Fits like [`identify`], and tells whenever one joint is through one method.
+/// Fits like [`identify`], tells `watch` whenever one joint is through one method, and ends when it says so.
 ///
 /// # Errors
-/// As [`identify`].
-pub fn identify_telling(
+/// As [`identify`], and if it is ended.
+pub fn identify_watched(
     fit: &ArmProblem,
     check: Option<&ArmProblem>,
     settings: &Settings,
-    tell: &(dyn Fn() + Sync),
+    watch: &dyn Watch,
+) -> Result<Vec<MethodResult>, IdentificationError> {
+    stoppable(watch, || by_all(fit, check, settings, watch))?
+}
+
+fn by_all(
+    fit: &ArmProblem,
+    check: Option<&ArmProblem>,
+    settings: &Settings,
+    watch: &dyn Watch,
 ) -> Result<Vec<MethodResult>, IdentificationError> {
     if settings.methods.contains(&Method::Mcmc) && !fit.shared.is_empty() {
         let names: Vec<_> = fit.shared.iter().map(|p| p.name.as_str()).collect();
@@ -151,10 +65,14 @@ pub fn identify_telling(
     let check = check.map(|c| shared::take_off(c, &common));
     let prepared: Vec<Prepared> =
         joints.into_par_iter().map(Prepared::new).collect::<Result<_, _>>()?;
+    let (done, of) = (AtomicU64::new(0), (prepared.len() * settings.methods.len()) as u64);
+    let tell = |done| watch.tell("fitting joint", done, of);
+    tell(0);
     let one = |&method: &Method| {
         let searched: Vec<Searched> = prepared
             .par_iter()
-            .map(|p| search(p, method, settings).inspect(|_| tell()))
+            .map(|p| search(p, method, settings, watch))
+            .inspect(|_| tell(1 + done.fetch_add(1, Ordering::Relaxed)))
             .collect::<Result<_, _>>()?;
         let xs: Vec<Vec<f64>> = searched.iter().map(|s| s.x.clone()).collect();
         let found = Found { joints: xs, shared: common.clone() };
@@ -167,13 +85,15 @@ fn search(
     p: &Prepared,
     method: Method,
     settings: &Settings,
+    watch: &dyn Watch,
 ) -> Result<Searched, IdentificationError> {
+    go_on(watch);
     let clock = Instant::now();
     let seed = settings.seed.wrapping_add((p.problem.joint as u64) << 32);
     let mut posterior = None;
     let (x, evaluations, stopped) = match method {
         Method::Pso => {
-            let o = p.swarm(settings, seed);
+            let o = p.swarm(settings, seed, watch);
             (o.best, o.evaluations, text(o.stop))
         }
         Method::Nlse => {
@@ -181,7 +101,7 @@ fn search(
             (o.x, o.evaluations, text(o.stop))
         }
         Method::Mcmc => {
-            let o = posterior::sample(p, &settings.mcmc, &settings.nlse, seed)?;
+            let o = posterior::sample(p, &settings.mcmc, &settings.nlse, seed, watch)?;
             let stopped = if o.converged() { "converged" } else { "not_converged" };
             let found = (o.x.clone(), o.evaluations, stopped.into());
             posterior = Some(o);

@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::identification::problem::Parameter;
+use crate::identification::pso;
+use crate::identification::settings::Search;
 use crate::identification::testing::{self, TRUTH};
 
 fn arm(shared: &[f64]) -> ArmProblem {

@@ -1,8 +1,8 @@
 //! Samples + twin -> one regression problem per joint.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::arm_problem::{ArmProblem, BoundsByName, at_joint, searched};
 use super::error::IdentificationError;
 use super::located::Located;
 use super::problem::{Curve, JointProblem, Parameter, Reduce};
@@ -10,25 +10,12 @@ use super::regressors::{Regressor, columns_of};
 use super::terms::Terms;
 use super::{separable, shared};
 use crate::effects::{
-    self, About, CATALOGUE, Effect, Mechanism, Motion, Role, Scope, Seen, Transmission,
+    self, About, CATALOGUE, Effect, Mechanism, Motion, Role, Scope, Seen, Size, Transmission,
 };
 use crate::robot::Robot;
 use crate::series::JointSeries;
 use crate::signals::{LowPass, Rows, Samples};
 use crate::twin::Twin;
-
-/// Bounds that replace the catalogue's, by parameter name: lower and upper.
-pub type BoundsByName = BTreeMap<String, [f64; 2]>;
-
-/// All joints' problems, and what they share.
-#[derive(Debug, Clone)]
-pub struct ArmProblem {
-    pub joints: Vec<JointProblem>,
-    /// Parameters of the whole arm (payload); every joint has a column for each.
-    pub shared: Vec<Parameter>,
-    /// Per joint, the columns of the shared parameters.
-    pub shared_columns: Vec<Vec<Vec<f64>>>,
-}
 
 /// Builds the problems for the effects in `terms`. What the twin gives values for, and its drive's
 /// rotor inertia unless that is fitted, is subtracted from the torque with the rigid body.
@@ -116,7 +103,8 @@ fn assemble_on(
     let known = known_torque(samples, twin, terms);
     let motion = Motion { known: Some(&known), ..twin.motion(samples) };
     let laden = &built.laden();
-    let assembly = Assembly { samples, twin, terms, built, laden, motion, located };
+    let size = Size::of(&twin.robot);
+    let assembly = Assembly { samples, twin, terms, built, laden, motion, located, size };
     let filter = samples.torque_filter()?;
     let reaching = assembly.reaching()?;
     let mut arm = ArmProblem { joints: vec![], shared: vec![], shared_columns: vec![] };
@@ -172,22 +160,11 @@ pub(super) fn with_shared(
     fitted
 }
 
-/// A parameter that one joint has and all joints feel.
-pub(super) fn at_joint(name: &str, joint: usize) -> String {
-    format!("{name}_{}", joint + 1)
-}
-
 /// What the twin knows, N.m: rigid body, rotor inertia, effects with given values; without what is
 /// fitted.
 fn known_torque(samples: &Samples, twin: &Twin, terms: &Terms) -> JointSeries {
     let mut twin = twin.clone();
-    for name in terms.names() {
-        let parameters = effects::find(name).map_or(&[][..], |e| e.about().parameters);
-        parameters.iter().for_each(|p| drop(twin.values.remove(p.name)));
-    }
-    if terms.contains("rotor_inertia") {
-        twin.drive.rotor_inertia.fill(0.0);
-    }
+    terms.effects().for_each(|effect| twin.forget(effect));
     twin.torque(&twin.motion(samples))
 }
 
@@ -212,6 +189,7 @@ struct Assembly<'a> {
     laden: &'a Robot,
     motion: Motion<'a>,
     located: &'a [Located],
+    size: Size,
 }
 
 impl Assembly<'_> {
@@ -274,12 +252,15 @@ impl Assembly<'_> {
             let from = if scope == Scope::Arm { 0 } else { joint };
             let columns = |n: &[f64]| effect.columns(&motion, joint, n);
             match self.located(effect, from) {
-                Some(l) if l.shows() => all.extend(Regressor::of_tangent(l.tangent(columns))),
+                Some(l) if l.shows() => {
+                    all.extend(Regressor::of_tangent(l.tangent(&self.size, columns)))
+                }
                 Some(_) => {}
                 None => {
                     let each = linear.zip(columns(&nonlinear));
-                    let fitted = each.filter(|(p, _)| self.terms.fits(p));
-                    all.extend(fitted.map(|(p, c)| Regressor::linear(searched(p), c)));
+                    let fitted = each.filter(|(p, _)| self.terms.tells(p));
+                    let found = |(p, c)| Regressor::linear(searched(p, &self.size), c);
+                    all.extend(fitted.map(found));
                 }
             }
         }
@@ -311,10 +292,10 @@ impl Assembly<'_> {
                     effect.reach(&motion, from, n).iter().map(in_a_row).collect()
                 };
                 let mut own = match self.located(effect, from) {
-                    Some(l) if l.shows() => Regressor::of_tangent(l.tangent(reach)),
+                    Some(l) if l.shows() => Regressor::of_tangent(l.tangent(&self.size, reach)),
                     Some(_) => vec![],
                     None => {
-                        let each = linear.map(searched).zip(reach(&nonlinear));
+                        let each = linear.map(|p| searched(p, &self.size)).zip(reach(&nonlinear));
                         each.map(|(p, c)| Regressor::linear(p, c)).collect()
                     }
                 };
@@ -384,14 +365,14 @@ impl Assembly<'_> {
         };
         let given = self.twin.values.get(exponent.name).and_then(|v| v.get(joint));
         self.curved().then(|| Curve {
-            coulomb: searched(coulomb),
+            coulomb: searched(coulomb, &self.size),
             static_level: Parameter {
                 name: "static".into(),
                 unit: coulomb.unit.into(),
-                lower: coulomb.min,
-                upper: coulomb.max + excess.max,
+                lower: coulomb.on(&self.size).min,
+                upper: coulomb.on(&self.size).max + excess.on(&self.size).max,
             },
-            velocity: searched(velocity),
+            velocity: searched(velocity, &self.size),
             exponent: given.copied().unwrap_or(exponent.typical),
             speed: qd.to_vec(),
             reduce: reduce.clone(),
@@ -408,34 +389,4 @@ fn in_a_row(series: &JointSeries) -> Vec<f64> {
 /// -1, 0 or 1: zero at rest.
 fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
-}
-
-/// A parameter of the catalogue, with the catalogue's bounds.
-pub(super) fn searched(p: &effects::Parameter) -> Parameter {
-    let name = if p.name == "current_offset" { "offset" } else { p.name };
-    Parameter { name: name.into(), unit: p.unit.into(), lower: p.min, upper: p.max }
-}
-
-impl ArmProblem {
-    /// Replaces bounds by name, in every joint.
-    fn set_bounds(&mut self, by_name: &BoundsByName) -> Result<(), IdentificationError> {
-        for (name, &[lower, upper]) in by_name {
-            crate::regression::bounds::check(name, lower, upper)?;
-            let mut found = false;
-            let all = self.joints.iter_mut().flat_map(JointProblem::parameters_mut);
-            for p in all.chain(&mut self.shared).filter(|p| p.name == *name) {
-                (p.lower, p.upper, found) = (lower, upper, true);
-            }
-            if !found {
-                let known = self.parameter_names().join(", ");
-                return Err(IdentificationError::UnknownBound { name: name.clone(), known });
-            }
-        }
-        Ok(())
-    }
-
-    fn parameter_names(&self) -> Vec<&str> {
-        let joint = self.joints.first().map_or(vec![], JointProblem::parameters);
-        joint.into_iter().chain(&self.shared).map(|p| p.name.as_str()).collect()
-    }
 }

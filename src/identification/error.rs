@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::follow::Interrupted;
 use crate::regression::bounds::BoundsError;
 use crate::signals::SignalError;
 use crate::statistics::StatisticsError;
@@ -44,4 +45,6 @@ pub enum IdentificationError {
     Signals(#[from] SignalError),
     #[error(transparent)]
     Statistics(#[from] StatisticsError),
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }

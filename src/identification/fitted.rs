@@ -1,8 +1,9 @@
 //! The twin with what was found in it.
 
-use super::arm::Prepared;
-use super::assemble::{ArmProblem, with_shared};
+use super::arm_problem::ArmProblem;
+use super::assemble::with_shared;
 use super::error::IdentificationError;
+use super::prepared::Prepared;
 use super::problem::{Column, JointProblem};
 use super::terms::Terms;
 use super::{MethodResult, separable, shared};
@@ -27,14 +28,21 @@ pub fn fitted_twin(
     let joints = shared::take_off(arm, &result.found.shared);
     for (j, (problem, x)) in joints.iter().zip(&result.found.joints).enumerate() {
         for (name, value) in physical(problem, x)? {
-            match name.as_str() {
-                "rotor_inertia" => fitted.drive.rotor_inertia[j] = value,
-                "offset" => set(&mut fitted, "current_offset", j, joints.len(), value),
-                other => set(&mut fitted, other, j, joints.len(), value),
+            let name = if name == "offset" { "current_offset" } else { name.as_str() };
+            match fitted.held_by_drive(name) {
+                Some(values) => values[j] = value,
+                None => set(&mut fitted, name, j, joints.len(), value),
             }
         }
     }
-    for name in terms.names().into_iter().filter(|n| *n != "rotor_inertia") {
+    for (effect, _, parameter) in
+        effects::of_drive().filter(|(e, ..)| terms.contains(e.about().name))
+    {
+        fitted.effects.retain(|name| name != effect.about().name);
+        fitted.values.remove(parameter);
+    }
+    let of_drive = |name: &str| effects::of_drive().any(|(e, ..)| e.about().name == name);
+    for name in terms.names().into_iter().filter(|name| !of_drive(name)) {
         let found = fill_gaps(&mut fitted, name);
         let known = fitted.effects.iter().any(|e| e == name);
         match (found, known) {
@@ -42,10 +50,6 @@ pub fn fitted_twin(
             (false, true) => fitted.effects.retain(|e| e != name),
             _ => {}
         }
-    }
-    if terms.contains("rotor_inertia") {
-        fitted.effects.retain(|e| e != "rotor_inertia");
-        fitted.values.remove("rotor_inertia");
     }
     fitted.keep_possible();
     Ok(fitted)

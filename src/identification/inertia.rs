@@ -9,7 +9,8 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::assemble::{ArmProblem, reduce};
+use super::arm_problem::ArmProblem;
+use super::assemble::reduce;
 use super::error::IdentificationError;
 use super::judge::{self, LEVEL};
 use super::problem::{JointProblem, Parameter};
@@ -19,7 +20,7 @@ use crate::effects::expected_of_arm;
 use crate::kernels::{axpy, dot};
 use crate::regression::qr::{Qr, unexplained};
 use crate::rigid_body::{BaseParameters, Estimate, Information, estimate, parameters};
-use crate::robot::{Robot, body_regressor_series};
+use crate::robot::{DrivePart, Robot, body_regressor_series};
 use crate::series::JointSeries;
 use crate::signals::Samples;
 use crate::statistics::{effective_samples, normal_quantile};
@@ -46,7 +47,7 @@ const LEAST_NOISE: f64 = 1e-4;
 impl Inertial {
     /// Base parameters of a twin whose rotor inertias are fitted along where `terms` say so.
     pub fn of(twin: &Twin, terms: &Terms) -> Self {
-        let base = BaseParameters::of(&twin.robot, terms.contains("rotor_inertia"));
+        let base = BaseParameters::of(&twin.robot, terms.fits(DrivePart::RotorInertia));
         let model = base.values(&parameters::of(&twin.robot));
         let sizes = base.sizes(&twin.robot);
         Self { base, model, sizes, first: 0, robot: twin.robot.clone() }

@@ -1,12 +1,14 @@
 //! The links that one recording calls for, held against another: base parameters by least squares, the
 //! most probable links that bodies can have, and everything else fitted again beside these.
 
-use super::arm::{Method, Settings, identify};
-use super::assemble::{ArmProblem, BoundsByName, assemble_around};
+use super::arm::identify;
+use super::arm_problem::{ArmProblem, BoundsByName};
+use super::assemble::assemble_around;
 use super::error::IdentificationError;
 use super::inertia::Inertial;
 use super::located::Located;
 use super::reduce::{Dropped, take_out_all};
+use super::settings::{Method, Settings};
 use super::terms::Terms;
 use super::{MethodResult, ParameterEstimate};
 use crate::rigid_body::{Estimate, parameters, possible};

@@ -8,14 +8,10 @@
 
 use std::sync::Arc;
 
-use super::assemble::{ArmProblem, BoundsByName, assemble_around, at_joint, searched};
-use super::error::IdentificationError;
+use super::arm_problem::searched;
 use super::problem::Parameter;
-use super::terms::Terms;
-use super::{Found, Method, Settings, identify, separable};
-use crate::effects::{self, Effect, Role, Scope};
+use crate::effects::{self, Effect, Role, Scope, Size};
 use crate::kernels::axpy;
-use crate::signals::Samples;
 use crate::twin::Twin;
 
 /// Relative step of the difference that stands for a derivative.
@@ -25,11 +21,6 @@ const STEP: f64 = 3e-4;
 const WIDE_STEP: f64 = 0.2;
 /// A parameter is taken for no smaller.
 const SMALLEST: f64 = 1e-6;
-/// A step of Gauss-Newton is cut to this factor.
-const FARTHEST: f64 = 1.5;
-/// Relative steps that count as none.
-const SETTLED: f64 = 1e-3;
-const ROUNDS: usize = 6;
 /// Bounds are the value found divided and multiplied by this, within the catalogue's: the slope
 /// says nothing of what is further away.
 const RANGE: f64 = 3.0;
@@ -66,12 +57,12 @@ pub struct Tangent {
 }
 
 impl Located {
-    fn of_role(&self, role: Role) -> impl Iterator<Item = &'static effects::Parameter> {
+    pub(super) fn of_role(&self, role: Role) -> impl Iterator<Item = &'static effects::Parameter> {
         self.effect.about().parameters.iter().filter(move |p| p.role == role)
     }
 
     /// Do its columns follow what is fitted?
-    fn follows(&self) -> bool {
+    pub(super) fn follows(&self) -> bool {
         self.of_role(Role::Nonlinear).any(|p| p.is_reference())
     }
 
@@ -80,8 +71,8 @@ impl Located {
         self.linear.iter().any(|a| *a != 0.0)
     }
 
-    /// `columns` gives the linear parameters' columns for nonlinear values.
-    pub fn tangent(&self, columns: impl Fn(&[f64]) -> Vec<Vec<f64>>) -> Tangent {
+    /// On an arm of this size; `columns` gives the linear parameters' columns for nonlinear values.
+    pub fn tangent(&self, size: &Size, columns: impl Fn(&[f64]) -> Vec<Vec<f64>>) -> Tangent {
         let (linear, nonlinear) = (&self.linear[..], &self.nonlinear[..]);
         let torque = |a: &[f64], b: &[f64]| {
             let mut b = b.to_vec();
@@ -98,7 +89,12 @@ impl Located {
         let mut slopes = Vec::new();
         for (k, p) in self.of_role(Role::Linear).enumerate() {
             let series = derivative(linear, k, share, |a| torque(a, nonlinear));
-            slopes.push(Slope { parameter: searched(p), series, centre: 0.0, of: Arc::default() });
+            slopes.push(Slope {
+                parameter: searched(p, size),
+                series,
+                centre: 0.0,
+                of: Arc::default(),
+            });
             axpy(-linear[k], &slopes[k].series, &mut rest);
         }
         let of: Arc<[&'static str]> = self.of_role(Role::Linear).map(|p| p.name).collect();
@@ -106,7 +102,7 @@ impl Located {
         for &k in &self.open {
             let series = derivative(nonlinear, k, share, |b| torque(linear, b));
             let centre = nonlinear[k];
-            let parameter = around(parameters[k], centre);
+            let parameter = around(&parameters[k].on(size), centre);
             slopes.push(Slope { parameter, series, centre, of: of.clone() });
         }
         Tangent { slopes, rest }
@@ -153,71 +149,6 @@ pub fn with_located(twin: &Twin, located: &[Located]) -> Twin {
         }
     }
     twin
-}
-
-/// Gauss-Newton steps from what was located, by least squares on all parameters together, until
-/// they settle: (twin with the nonlinear values, what was located there).
-///
-/// # Errors
-/// As [`super::assemble`].
-pub fn settle(
-    samples: &Samples,
-    twin: &Twin,
-    terms: &Terms,
-    mut located: Vec<Located>,
-    nlse: &separable::Settings,
-) -> Result<(Twin, Vec<Located>), IdentificationError> {
-    let settings = Settings { methods: vec![Method::Nlse], nlse: *nlse, ..Settings::default() };
-    for _ in 0..ROUNDS {
-        let known = with_located(twin, &located);
-        let arm = assemble_around(samples, &known, terms, &BoundsByName::new(), &located)?;
-        let found = identify(&arm, None, &settings)?.swap_remove(0).found;
-        let steps: Vec<f64> = located.iter_mut().map(|l| step(l, &arm, &found)).collect();
-        if steps.iter().all(|s| *s < SETTLED) {
-            break;
-        }
-    }
-    Ok((with_located(twin, &located), located))
-}
-
-/// Takes over what was found; the largest relative change of a nonlinear parameter.
-fn step(located: &mut Located, arm: &ArmProblem, found: &Found) -> f64 {
-    let value = |name: &str| match located.effect.about().scope {
-        Scope::Joint => {
-            let k = arm.joints[located.joint].index(name)?;
-            found.joints[located.joint].get(k).copied()
-        }
-        scope => {
-            let own = at_joint(name, located.joint);
-            let name = if scope == Scope::Link { own.as_str() } else { name };
-            let k = arm.shared.iter().position(|p| p.name == name)?;
-            found.shared.get(k).copied()
-        }
-    };
-    let linear: Vec<Option<f64>> = located.of_role(Role::Linear).map(|p| value(p.name)).collect();
-    let nonlinear: Vec<_> = located.of_role(Role::Nonlinear).map(|p| (p, value(p.name))).collect();
-    // What follows a reference is no more linear than the rest.
-    let follows = located.follows();
-    for (own, new) in located.linear.iter_mut().zip(linear) {
-        let Some(new) = new else { continue };
-        *own = if follows { cut(*own, new) } else { new };
-    }
-    let mut largest = 0.0f64;
-    for (own, (p, new)) in located.nonlinear.iter_mut().zip(nonlinear) {
-        let Some(new) = new else { continue };
-        let new = p.clamp(cut(*own, new));
-        largest = largest.max((new / *own - 1.0).abs());
-        *own = new;
-    }
-    let linear = located.linear.clone();
-    located.effect.settle(&linear, &mut located.nonlinear);
-    largest
-}
-
-/// No further than by the factor a step may take.
-fn cut(from: f64, to: f64) -> f64 {
-    let (a, b) = (from / FARTHEST, from * FARTHEST);
-    to.clamp(a.min(b), a.max(b))
 }
 
 #[cfg(test)]

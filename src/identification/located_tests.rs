@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::effects::find;
+use crate::identification::settle::cut;
 
 const DT: f64 = 0.008;
 
@@ -24,7 +25,7 @@ fn ripple(linear: Vec<f64>) -> Located {
 #[test]
 fn a_tangent_has_the_slopes_of_the_law() {
     let (q, located) = (angle(), ripple(vec![0.7, -0.2]));
-    let Tangent { slopes, rest } = located.tangent(|n| waves(&q, n[0]));
+    let Tangent { slopes, rest } = located.tangent(&Size::UR5, |n| waves(&q, n[0]));
     let names: Vec<&str> = slopes.iter().map(|s| s.parameter.name.as_str()).collect();
     assert_eq!(names, ["ripple_sine", "ripple_cosine", "ripple_order"]);
     assert_eq!(*slopes[2].of, ["ripple_sine", "ripple_cosine"]);
@@ -48,7 +49,7 @@ fn references_follow_what_they_refer_to() {
     let (linear, nonlinear) = (vec![0.002], vec![2e4, 20.0, 0.005]);
     let located = Located { effect, joint: 1, linear, nonlinear, open: vec![], starts: 12 };
     // gap x (gap0 + 3) at gap0 = gap: gap^2 + 3 gap.
-    let tangent = located.tangent(|n| vec![vec![n[2] + 3.0]]);
+    let tangent = located.tangent(&Size::UR5, |n| vec![vec![n[2] + 3.0]]);
     assert!((tangent.slopes[0].series[0] - (2.0 * 0.002 + 3.0)).abs() < 1e-6);
     assert!((tangent.rest[0] + 0.002f64.powi(2)).abs() < 1e-8, "{:?}", tangent.rest);
 }

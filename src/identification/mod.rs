@@ -2,6 +2,7 @@
 
 pub mod adaptive_metropolis;
 mod arm;
+mod arm_problem;
 mod assemble;
 pub mod chebyshev;
 mod coordinates;
@@ -14,12 +15,15 @@ mod links;
 mod located;
 mod payload;
 mod posterior;
+mod prepared;
 pub mod problem;
 pub mod pso;
 pub mod quadratic;
 mod reduce;
 mod regressors;
 pub mod separable;
+mod settings;
+mod settle;
 mod shared;
 mod tables;
 mod terms;
@@ -30,20 +34,23 @@ mod verdict;
 
 use serde::Serialize;
 
-pub use arm::{Method, Search, Settings, identify, identify_telling};
-pub use assemble::{ArmProblem, BoundsByName, assemble, assemble_around};
+pub use arm::{identify, identify_watched};
+pub use arm_problem::{ArmProblem, BoundsByName};
+pub use assemble::{assemble, assemble_around};
 pub use error::IdentificationError;
 pub use fitted::fitted_twin;
 pub use inertia::Inertial;
 pub use judge::LEVEL;
 pub use links::{LinkFit, RigidBody};
-pub use located::{Located, settle};
+pub use located::Located;
 pub use payload::payload_beside_links;
 pub use posterior::Posterior;
 pub use reduce::{Dropped, reduce};
-pub use terms::{PAPER_LAW, Terms};
+pub use settings::{Method, Search, Settings};
+pub use settle::settle;
+pub use terms::{BESIDE, PAPER_LAW, Terms};
 pub use torque_scale::{Gain, Load, TorqueScale, torque_scale};
-pub use verdict::verdict;
+pub use verdict::{Standing, standing, verdict};
 
 /// What one method found, all joints.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::assemble::ArmProblem;
+use super::arm_problem::ArmProblem;
 use super::error::IdentificationError;
 use super::inertia::Inertial;
 use super::terms::Terms;

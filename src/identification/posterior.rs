@@ -20,12 +20,13 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::adaptive_metropolis::{self as metropolis, Chain};
-use super::arm::Prepared;
 use super::coordinates::Coordinates;
 use super::error::IdentificationError;
+use super::prepared::Prepared;
 use super::problem::{Column, Curve, JointProblem};
 use super::quadratic::QuadraticCost;
 use super::{LEVEL, ParameterEstimate, judge, separable};
+use crate::follow::{Watch, go_on};
 use crate::regression::bounds::Bounds;
 use crate::statistics::{Autoregression, Convergence, Whitening};
 
@@ -67,6 +68,7 @@ pub fn sample(
     settings: &metropolis::Settings,
     search: &separable::Settings,
     seed: u64,
+    watch: &dyn Watch,
 ) -> Result<Sampled, IdentificationError> {
     let problem = &prepared.problem;
     let mut x = prepared.separable(search).x;
@@ -83,7 +85,7 @@ pub fn sample(
     let cost = QuadraticCost::new(&white, &bounds);
     let sigma = problem.rms(cost.sum_of_squares(&x)).max(f64::MIN_POSITIVE);
     let Some(coordinates) = Coordinates::new(&cost, &bounds, sigma) else { return Ok(nothing) };
-    let target = Target { problem, cost: &cost, bounds: &bounds, coordinates };
+    let target = Target { problem, cost: &cost, bounds: &bounds, coordinates, watch };
     let mut sampled = target.sample(settings, seed);
     let mut longer = *settings;
     for _ in 0..EXTENSIONS {
@@ -105,6 +107,7 @@ struct Target<'a> {
     cost: &'a QuadraticCost,
     bounds: &'a Bounds,
     coordinates: Coordinates<'a>,
+    watch: &'a dyn Watch,
 }
 
 impl Target<'_> {
@@ -121,6 +124,7 @@ impl Target<'_> {
     }
 
     fn ln_density(&self, u: &[f64]) -> f64 {
+        go_on(self.watch);
         let (x, ln_volume) = self.coordinates.parameters(u);
         if !self.bounds.contain(&x) {
             return f64::NEG_INFINITY;

@@ -35,7 +35,7 @@ fn quick(draws: usize) -> metropolis::Settings {
 
 fn draw(problem: &JointProblem, settings: &metropolis::Settings) -> Sampled {
     let prepared = Prepared::new(problem.clone()).unwrap();
-    sample(&prepared, settings, &separable::Settings::default(), 5).unwrap()
+    sample(&prepared, settings, &separable::Settings::default(), 5, &()).unwrap()
 }
 
 /// With white noise the posterior of a linear model is Student's t about the least-squares

@@ -12,10 +12,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::ParameterEstimate;
-use super::arm::Prepared;
-use super::assemble::ArmProblem;
+use super::arm_problem::ArmProblem;
 use super::error::IdentificationError;
 use super::judge::{self, LEVEL};
+use super::prepared::Prepared;
 use super::problem::{Column, JointProblem};
 use super::{separable, shared};
 use crate::kernels::axpy;

@@ -9,10 +9,10 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::arm::Prepared;
-use super::assemble::ArmProblem;
+use super::arm_problem::ArmProblem;
 use super::error::IdentificationError;
 use super::judge::{self, WithExcess};
+use super::prepared::Prepared;
 use super::problem::{JointProblem, Parameter};
 use super::{Found, ParameterEstimate, separable};
 use crate::effects::Ratio;

@@ -2,11 +2,15 @@
 
 use super::error::IdentificationError;
 use crate::effects::{self, Effect, Parameter, Role, Scope, Seen};
+use crate::robot::DrivePart;
 use crate::twin::Twin;
 
 /// The paper's Eq. 1.
 pub const PAPER_LAW: [&str; 5] =
     ["coulomb", "stribeck", "viscous", "viscous_quadratic", "viscous_cubic"];
+
+/// What a real arm needs beside it.
+pub const BESIDE: [&str; 2] = ["rotor_inertia", "current_offset"];
 
 /// Effects whose parameters are searched for, in the order of the catalogue.
 #[derive(Clone)]
@@ -58,7 +62,7 @@ impl Terms {
     /// # Errors
     /// None as long as the catalogue holds these names.
     pub fn usual() -> Result<Self, IdentificationError> {
-        Self::named(PAPER_LAW.into_iter().chain(["rotor_inertia", "current_offset"]))
+        Self::named(PAPER_LAW.into_iter().chain(BESIDE))
     }
 
     /// What `twin` models and gives no values for, and `more`.
@@ -107,20 +111,24 @@ impl Terms {
     /// The twin without values for these terms; of the terms it has those that are linear.
     pub fn left_open(&self, twin: &Twin) -> Twin {
         let mut open = twin.clone();
-        for effect in &self.fitted {
-            effect.about().parameters.iter().for_each(|p| drop(open.values.remove(p.name)));
-        }
+        self.effects().for_each(|effect| open.forget(effect));
         open.effects.retain(|name| !self.contains(name));
         let linear = self.fitted.iter().filter(|e| nonlinear(**e).next().is_none());
         open.effects.extend(linear.map(|e| e.about().name.to_string()));
-        if self.contains("rotor_inertia") {
-            open.drive.rotor_inertia.fill(0.0);
-        }
         open
     }
 
+    pub fn effects(&self) -> impl Iterator<Item = &'static dyn Effect> + '_ {
+        self.fitted.iter().copied()
+    }
+
+    /// Is a part of the drive fitted?
+    pub fn fits(&self, part: DrivePart) -> bool {
+        self.effects().any(|e| e.stands_for() == Some(part))
+    }
+
     /// Is this parameter of a term fitted?
-    pub fn fits(&self, parameter: &Parameter) -> bool {
+    pub fn tells(&self, parameter: &Parameter) -> bool {
         self.details || !parameter.is_detail()
     }
 

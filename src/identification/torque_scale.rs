@@ -15,13 +15,14 @@
 use serde::Serialize;
 
 use super::Found;
-use super::assemble::{ArmProblem, BoundsByName, assemble, searched};
+use super::arm_problem::{ArmProblem, BoundsByName, searched};
+use super::assemble::assemble;
 use super::error::IdentificationError;
 use super::inertia::{Inertial, share};
 use super::judge::LEVEL;
 use super::problem::Parameter;
 use super::terms::Terms;
-use crate::effects::{self, Effect, Role};
+use crate::effects::{self, Effect, Role, Size};
 use crate::rigid_body::{Estimate, Information, estimate, estimate_within, parameters, possible};
 use crate::robot::{Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
@@ -210,7 +211,9 @@ impl Scale<'_> {
             });
         }
         if let (None, Some(payload)) = (self.load.centre_m, effects::find("payload")) {
-            let about = payload.about().parameters[1..4].iter().map(searched);
+            let size = Size::of(&self.twin.robot);
+            let moments = payload.about().parameters[1..4].iter();
+            let about = moments.map(|p| searched(p, &size));
             names.extend(about.zip(state.moment).map(|(p, now)| Parameter {
                 lower: p.lower - now,
                 upper: p.upper - now,

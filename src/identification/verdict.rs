@@ -2,6 +2,7 @@
 
 use super::judge::LEVEL;
 use super::{JointEstimate, MethodResult, ParameterEstimate};
+use crate::numbers::digits;
 
 /// One line per joint, one for the arm's own parameters.
 pub fn verdict(result: &MethodResult) -> Vec<String> {
@@ -27,33 +28,47 @@ fn of_joint(j: &JointEstimate) -> String {
 
 const EXCESS: &str = "stribeck_excess";
 
-/// "a 1.0 N.m; not told from zero: b; c cannot be told"
+/// What data say of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// It has a value, and zero is not within its interval.
+    Shown,
+    /// It has a value, and zero is within its interval: it may be absent.
+    MayBeZero,
+    /// These data do not determine it: it has no interval.
+    Open,
+}
+
+/// The one place that decides what is said of a parameter.
+pub fn standing(p: &ParameterEstimate) -> Standing {
+    match (p.identifiable, !p.at_bound && p.p < 1.0 - LEVEL) {
+        (false, _) => Standing::Open,
+        (true, true) => Standing::Shown,
+        (true, false) => Standing::MayBeZero,
+    }
+}
+
+/// "a 1.0 N.m; may be zero: b; not determined: c"
 fn sentence<'a>(parameters: impl Iterator<Item = &'a ParameterEstimate>) -> String {
     let (mut has, mut lacks, mut open) = (vec![], vec![], vec![]);
     for p in parameters {
         let name = p.name.replace('_', " ");
-        if !p.identifiable {
-            open.push(name);
-        } else if exists(p) {
-            has.push(format!("{name} {:.3} {}", p.value, p.unit));
-        } else {
-            lacks.push(name);
+        match standing(p) {
+            Standing::Open => open.push(name),
+            Standing::Shown => has.push(format!("{name} {} {}", digits(p.value), p.unit)),
+            Standing::MayBeZero => lacks.push(name),
         }
     }
     let mut parts = Vec::new();
-    let mut say = |names: Vec<String>, before: &str, after: &str| {
+    let mut say = |names: Vec<String>, before: &str| {
         if !names.is_empty() {
-            parts.push(format!("{before}{}{after}", names.join(", ")));
+            parts.push(format!("{before}{}", names.join(", ")));
         }
     };
-    say(has, "", "");
-    say(lacks, "not told from zero: ", "");
-    say(open, "", " cannot be told");
+    say(has, "");
+    say(lacks, "may be zero: ");
+    say(open, "not determined: ");
     parts.join("; ")
-}
-
-fn exists(p: &ParameterEstimate) -> bool {
-    p.identifiable && !p.at_bound && p.p < 1.0 - LEVEL
 }
 
 /// A dip is an excess that is significant, positive, and has a velocity of its own.

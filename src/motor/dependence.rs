@@ -6,13 +6,13 @@
 
 use serde::Serialize;
 
+use super::error::{MotorError, error_percent};
 use super::experiment::Clean;
 use super::fit::{least_squares_from, starting_points, swarm};
 use super::inference::analyse;
 use super::input::Excitation;
 use super::model::COUNT;
 use super::output_error::OutputError;
-use super::report::{MotorError, error_percent};
 use super::scenario::Scenario;
 use crate::identification::pso;
 

@@ -4,6 +4,7 @@
 mod consumer;
 pub mod dependence;
 pub mod dormand_prince;
+pub mod error;
 pub mod experiment;
 pub mod fit;
 pub mod inference;
@@ -23,6 +24,7 @@ mod squares;
 pub mod study;
 pub mod study_text;
 
+pub use error::MotorError;
 pub use model::Motor;
 
 #[cfg(test)]

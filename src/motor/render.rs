@@ -6,7 +6,8 @@ use super::model::COUNT;
 use super::paper::printed;
 use super::report::{CombinationReport, Given, MethodReport, ParameterReport, ScenarioReport};
 use super::scenario::Channel;
-use crate::report::table;
+use crate::numbers::chance;
+use crate::text::table;
 
 /// A table before it is drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -142,7 +143,7 @@ fn estimates(m: &MethodReport) -> Grid {
             number(p.value),
             percent(p.error_percent),
             interval(p.low, p.high),
-            probability(p.p, p.log10_p),
+            chance(p.p),
             if p.kept { "kept".into() } else { "dropped".into() },
         ]
     };
@@ -187,12 +188,12 @@ fn conventions(report: &ScenarioReport, m: &MethodReport) -> Grid {
     let print = printed(report.scenario);
     let row = |k: usize| {
         let p = &m.parameters[k];
-        let cells = |i: &Interval| [interval(i.low, i.high), probability(i.p, i.log10_p)];
+        let cells = |i: &Interval| [interval(i.low, i.high), chance(i.p)];
         let mut row = vec![p.name.to_string()];
         row.extend(print.map_or(["-".into(), "-".into(), "-".into()], |t| {
             [number(t[k].value), interval(t[k].low, t[k].high), number(t[k].p)]
         }));
-        row.extend([interval(p.low, p.high), probability(p.p, p.log10_p)]);
+        row.extend([interval(p.low, p.high), chance(p.p)]);
         row.extend(cells(&p.asymptotic));
         row.extend(cells(&p.paper));
         row
@@ -270,8 +271,4 @@ fn percent(v: Option<f64>) -> String {
 
 fn interval(low: f64, high: f64) -> String {
     if low.is_nan() { "refused".into() } else { format!("[{} {}]", number(low), number(high)) }
-}
-
-fn probability(p: f64, log10_p: f64) -> String {
-    if p == 0.0 && log10_p.is_finite() { format!("1e{log10_p:.0}") } else { number(p) }
 }

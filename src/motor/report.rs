@@ -3,6 +3,8 @@
 use serde::Serialize;
 
 use super::dependence::Dependence;
+pub use super::error::MotorError;
+use super::error::error_percent;
 use super::experiment::{Clean, Record};
 use super::fit::{End, Fit, Tick, least_squares, swarm};
 use super::inference::{ALPHA, Combination, Conventions, Interval, Knowledge, analyse};
@@ -10,19 +12,9 @@ use super::input::Excitation;
 use super::model::{COUNT, Motor, NAMES, UNITS};
 use super::output_error::OutputError;
 use super::scenario::{Channel, NlseSettings, Scenario};
-use super::simulate::{Accuracy, Failure, Output, simulate};
+use super::simulate::{Accuracy, Output, simulate};
 use crate::identification::pso;
-use crate::statistics::{Goodness, StatisticsError};
-
-#[derive(Debug, thiserror::Error)]
-pub enum MotorError {
-    #[error("the true motor cannot be simulated: {0}")]
-    Truth(Failure),
-    #[error("no motor within the bounds can be simulated: narrow the bounds of the viscous terms")]
-    NothingFits,
-    #[error("the estimate cannot be analysed: {0}")]
-    Statistics(#[from] StatisticsError),
-}
+use crate::statistics::Goodness;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
@@ -266,10 +258,6 @@ fn goodness(values: &[f64; COUNT], record: &Record) -> Result<Goodness, MotorErr
     Ok(Goodness::of(&record.measured.omega, &output.omega))
 }
 
-pub(super) fn error_percent(value: f64, truth: f64) -> Option<f64> {
-    (truth != 0.0).then(|| 100.0 * (value / truth - 1.0))
-}
-
 fn combinations(scenario: &Scenario, knowledge: &Knowledge) -> Vec<CombinationReport> {
     let truth = scenario.truth.to_array();
     let of = |combination: &Combination| {
@@ -336,7 +324,7 @@ fn beyond_reach(name: &str, knowledge: &Knowledge) -> String {
 fn width_verdict(value: f64, robust: &Interval, kept: bool) -> String {
     let percent = 50.0 * (robust.high - robust.low) / value.abs();
     match (kept, percent) {
-        (false, _) => "not told from zero".into(),
+        (false, _) => "may be zero".into(),
         (_, p) if p <= SUPPORTED => format!("identified, +-{p:.2} %"),
         (_, p) if p <= 20.0 => format!("roughly, +-{p:.0} %"),
         (_, p) => format!("hardly supported by this excitation, +-{p:.0} %"),

@@ -1,9 +1,10 @@
 //! What was measured over time, beside what identified motors do under the same voltage.
 
 use super::Motor;
+use super::error::MotorError;
 use super::experiment::Record;
 use super::model::COUNT;
-use super::report::{MethodReport, MotorError, ScenarioReport, recordings};
+use super::report::{MethodReport, ScenarioReport, recordings};
 use super::scenario::Scenario;
 use super::simulate::{Accuracy, Failure, Output, simulate};
 

@@ -13,12 +13,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::error::{MotorError, error_percent};
 use super::experiment::Clean;
 use super::fit::{Fit, Tick, least_squares_from, swarm};
 use super::inference::{ALPHA, Conventions, Interval, analyse};
 use super::model::{COUNT, NAMES};
 use super::output_error::OutputError;
-use super::report::{FARTHEST, Given, Method, MotorError, error_percent};
+use super::report::{FARTHEST, Given, Method};
 use super::scenario::{Channel, Scenario};
 use crate::identification::pso;
 

@@ -42,6 +42,14 @@ pub struct Doubt {
     pub remedy: String,
 }
 
+/// One sentence without its full stop.
+impl std::fmt::Display for Doubt {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { what, remedy } = self;
+        if remedy.is_empty() { f.write_str(what) } else { write!(f, "{what}; {remedy}") }
+    }
+}
+
 /// What the data say of themselves and of the arm.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Judgement {

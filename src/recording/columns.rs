@@ -13,9 +13,10 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::RecordingError;
-use super::bag::BagMap;
+use super::bag_map::BagMap;
 use super::file::cannot;
-use super::lerobot::LerobotMap;
+use super::lerobot_map::LerobotMap;
+use super::scale::{Scale, is_factor};
 use super::text::{Delimiter, Layout};
 use crate::limits::{COLUMNS, read_settings};
 
@@ -77,24 +78,6 @@ pub struct Channels {
     /// SI units per unit of the file.
     #[serde(default)]
     scale: Scale,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-#[serde(untagged, expecting = "a number or a list with one number per column")]
-pub enum Scale {
-    All(f64),
-    Each(Vec<f64>),
-}
-
-impl Default for Scale {
-    fn default() -> Self {
-        Scale::All(1.0)
-    }
-}
-
-/// Between units; what it multiplies stays a number.
-fn is_factor(scale: f64) -> bool {
-    (1e-15..=1e15).contains(&scale.abs())
 }
 
 fn one() -> f64 {
@@ -211,22 +194,5 @@ impl Channels {
             return Err("column 0; columns count from 1".into());
         }
         Ok(columns)
-    }
-}
-
-impl Scale {
-    /// `count` factors; says what is wrong with them.
-    pub fn expand(&self, count: usize) -> Result<Vec<f64>, String> {
-        let scales = match self {
-            Scale::All(scale) => vec![*scale; count],
-            Scale::Each(scales) if scales.len() == count => scales.clone(),
-            Scale::Each(s) => return Err(format!("{} scales for {count} columns", s.len())),
-        };
-        match scales.iter().find(|s| !is_factor(**s)) {
-            Some(scale) => Err(format!(
-                "scale {scale} must be a number other than zero, between 1e-15 and 1e15 in size"
-            )),
-            None => Ok(scales),
-        }
     }
 }

@@ -74,6 +74,18 @@ pub enum RecordingError {
     /// A bag or another file that is no text.
     #[error("{file}: {what}; {remedy}")]
     Container { file: String, what: String, remedy: &'static str },
+    #[error("{file}: this armtwin was built without the feature `{feature}`, which reads it")]
+    LeftOut { file: String, feature: &'static str },
+    #[error("{file}: {column} has {given} samples, time has {needed}: give equally many")]
+    Length { file: String, column: String, given: usize, needed: usize },
+    /// Rows counted from 1.
+    #[error(
+        "{file}: {count} rows hold something that is no number (NaN or infinite), the first is row {row}, in \
+         {column}: fill them, or leave these rows out"
+    )]
+    NoNumber { file: String, column: String, row: usize, count: usize },
+    #[error("{second}: holds the same samples as {first}; name another recording")]
+    Same { first: String, second: String },
     #[error("{file}: {what}")]
     ColumnMap { file: String, what: String },
     #[error("{file}: {limit}")]

@@ -1,7 +1,10 @@
 //! A recording: named SI columns on one time column, and where they came from.
 //! One file per format; every reader yields the same [`Recording`].
 
+mod arrays;
 mod bag;
+#[cfg_attr(not(feature = "bags"), allow(dead_code))]
+mod bag_map;
 mod bam_json;
 mod blocks;
 mod check;
@@ -11,20 +14,31 @@ mod draft;
 mod error;
 mod file;
 mod format;
+mod formats;
 mod guard;
 mod halves;
 pub mod inspection;
+mod journal;
+#[cfg(feature = "parquet")]
 mod lerobot;
+#[cfg_attr(not(feature = "parquet"), allow(dead_code))]
+mod lerobot_map;
 mod mapped_csv;
 mod mend;
 mod movement_folder;
+#[cfg(feature = "parquet")]
 mod parquet_file;
+#[cfg(feature = "parquet")]
 mod parquet_lists;
+#[cfg(feature = "parquet")]
 mod parquet_sizes;
 mod rtde_csv;
 mod sage_folder;
+mod same;
+mod scale;
 mod table;
 mod text;
+#[cfg(feature = "parquet")]
 mod thrift;
 mod whole;
 
@@ -33,8 +47,11 @@ pub use check::{FEWEST_SAMPLES, JOINT_SIGNALS};
 pub use columns::ColumnMap;
 pub use draft::{Draft, draft};
 pub use error::RecordingError;
-pub use format::{FORMATS, Format, WriteOptions, read, read_by, write, writer};
+pub use format::{Format, WriteOptions};
+pub use formats::{FORMATS, read, read_by, write, writer};
+pub use journal::{JOURNALED, Journal, journal_of, journaled};
 pub use rtde_csv::write_csv;
+pub use same::refuse_same;
 pub use text::Delimiter;
 
 use crate::series::JointSeries;

@@ -364,29 +364,54 @@ pub(super) fn extend(
 }
 
 fn write(recording: &Recording, file: File) -> parquet::errors::Result<()> {
-    let column = |name: &str| Field::new(name, DataType::Float64, false);
-    let names = std::iter::once(TIME).chain(recording.channels.iter().map(|c| c.name.as_str()));
-    let schema = Arc::new(Schema::new(names.map(column).collect::<Vec<_>>()));
-    let note = |key: &str, value: &str| KeyValue::new(format!("armtwin.{key}"), value.to_string());
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::ZSTD(ZstdLevel::default()))
-        .set_dictionary_enabled(false)
-        .set_encoding(Encoding::BYTE_STREAM_SPLIT)
-        .set_key_value_metadata(Some(vec![
-            note("version", env!("CARGO_PKG_VERSION")),
-            note("source", &recording.provenance.source),
-        ]))
-        .build();
-    let mut out = ArrowWriter::try_new(file, schema.clone(), Some(properties))?;
+    let names: Vec<&str> = recording.channels.iter().map(|c| c.name.as_str()).collect();
+    let mut out = Batches::new(file, &names, &recording.provenance.source)?;
     for first in (0..recording.time.len()).step_by(ROWS_PER_BATCH) {
         let rows = first..recording.time.len().min(first + ROWS_PER_BATCH);
         let values =
             std::iter::once(&recording.time).chain(recording.channels.iter().map(|c| &c.values));
-        let part =
-            |v: &Vec<f64>| Arc::new(Float64Array::from(v[rows.clone()].to_vec())) as ArrayRef;
-        out.write(&RecordBatch::try_new(schema.clone(), values.map(part).collect())?)?;
+        out.add(values.map(|v| v[rows.clone()].to_vec()).collect())?;
     }
-    out.close().map(drop)
+    out.end()
+}
+
+/// A Parquet file that is written stretch by stretch.
+pub struct Batches {
+    schema: Arc<Schema>,
+    out: ArrowWriter<File>,
+}
+
+impl Batches {
+    /// `names` are those of the channels, beside time.
+    pub fn new(file: File, names: &[&str], source: &str) -> parquet::errors::Result<Self> {
+        let column = |name: &str| Field::new(name, DataType::Float64, false);
+        let names = std::iter::once(TIME).chain(names.iter().copied());
+        let schema = Arc::new(Schema::new(names.map(column).collect::<Vec<_>>()));
+        let note =
+            |key: &str, value: &str| KeyValue::new(format!("armtwin.{key}"), value.to_string());
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::ZSTD(ZstdLevel::default()))
+            .set_dictionary_enabled(false)
+            .set_encoding(Encoding::BYTE_STREAM_SPLIT)
+            .set_key_value_metadata(Some(vec![
+                note("version", env!("CARGO_PKG_VERSION")),
+                note("source", source),
+            ]))
+            .build();
+        let out = ArrowWriter::try_new(file, schema.clone(), Some(properties))?;
+        Ok(Self { schema, out })
+    }
+
+    /// Adds rows, column by column, time first.
+    pub fn add(&mut self, columns: Vec<Vec<f64>>) -> parquet::errors::Result<()> {
+        let columns = columns.into_iter().map(|c| Arc::new(Float64Array::from(c)) as ArrayRef);
+        self.out.write(&RecordBatch::try_new(self.schema.clone(), columns.collect())?)
+    }
+
+    /// Writes what makes it a whole file.
+    pub fn end(self) -> parquet::errors::Result<()> {
+        self.out.close().map(drop)
+    }
 }
 
 /// The refusal of a file that is not as its format wants it.

@@ -127,7 +127,7 @@ fn write_rows(recording: &Recording, delimiter: Delimiter, out: &mut dyn Write) 
 }
 
 /// Plain digits where they are short, an exponent elsewhere.
-fn write_number(value: f64, out: &mut dyn Write) -> io::Result<()> {
+pub fn write_number(value: f64, out: &mut dyn Write) -> io::Result<()> {
     if value == 0.0 || (1e-5..1e16).contains(&value.abs()) {
         write!(out, "{value}")
     } else {

@@ -5,11 +5,13 @@ use super::to_uncertainty;
 use crate::diagnosis::{
     Diagnosis, JointGap, Named, Ranked, SimulationShrink, UnexplainedJoint, Value, words,
 };
+use crate::numbers::angle;
 
 /// Candidates that are shown at once, besides "none" and "unknown".
 const RANKED: usize = 8;
 
-pub const GAP: [&str; 7] = ["joint", "gap N.m", "90 % low", "high", "noise floor", "from", "share"];
+pub const GAP: [&str; 7] =
+    ["joint", "gap N.m", "90 % low", "high", "noise floor", "floor told by", "of the gap"];
 
 pub fn gap(j: &JointGap) -> Vec<String> {
     vec![
@@ -18,9 +20,18 @@ pub fn gap(j: &JointGap) -> Vec<String> {
         nm(j.low_nm),
         nm(j.high_nm),
         nm(j.noise_floor_nm),
-        j.floor_from.clone(),
+        floor_from(&j.floor_from),
         words::percent(j.share),
     ]
+}
+
+/// How the noise floor is known, in words.
+fn floor_from(name: &str) -> String {
+    match name {
+        "repeats" => "repeated cycles".into(),
+        "estimate" => "the spectrum".into(),
+        other => other.into(),
+    }
 }
 
 pub const PARAMETERS: [&str; 6] = ["parameter", "unit", "value", "90 % low", "high", ""];
@@ -37,7 +48,7 @@ pub fn named(n: &Named) -> String {
     format!("{} at {}", n.effect, words::place(&n.joints))
 }
 
-pub const CANDIDATES: [&str; 4] = ["effect", "at", "probability", "nats"];
+pub const CANDIDATES: [&str; 4] = ["effect", "at", "probability", "evidence"];
 
 pub fn candidate(r: &Ranked) -> Vec<String> {
     let special = is_special(r);
@@ -64,11 +75,18 @@ pub fn unexplained(j: &UnexplainedJoint) -> Vec<String> {
     ]
 }
 
+/// What the rows of [`CANDIDATES`] say.
+pub const EVIDENCE: &str = "evidence: logarithm of how much more probable the data are with it than without, \
+                            beside what else is there, a discrepancy of any shape included (in nats: 3 are \
+                            20 to 1). none: chance. unknown: a cause that is not in the catalogue. \
+                            Probabilities sum to 1";
+
 /// Those to show first, "none" and "unknown" among them, the likeliest first; and the others.
 pub fn ranked(ranking: &[Ranked]) -> (Vec<&Ranked>, Vec<&Ranked>) {
     let (special, effects): (Vec<&Ranked>, Vec<&Ranked>) =
         ranking.iter().partition(|r| is_special(r));
-    let (first, rest) = effects.split_at(effects.len().min(RANKED));
+    let probable = effects.iter().take_while(|r| words::percent(r.probability) != "0 %").count();
+    let (first, rest) = effects.split_at(probable.min(RANKED));
     let mut shown = [first, &special[..]].concat();
     shown.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     (shown, rest.to_vec())
@@ -98,13 +116,11 @@ pub fn torque(d: &Diagnosis) -> Vec<Vec<String>> {
 pub const SIMULATED: [&str; 3] = ["twin simulated again, less recorded (rms)", "before", "after"];
 
 pub fn simulated(s: &SimulationShrink) -> [Vec<String>; 3] {
-    let mrad = |rad: f64| format!("{:.3}", 1e3 * rad);
-    let open =
-        format!("position {} s after a recorded state, driven by its torque, mrad", s.window_s);
+    let open = format!("position {} s after a recorded state, driven by its torque", s.window_s);
     [
-        vec!["position, closed loop, mrad".into(), mrad(s.before_rad), mrad(s.after_rad)],
+        vec!["position, closed loop".into(), angle(s.before_rad), angle(s.after_rad)],
         vec!["torque, closed loop, N.m".into(), nm(s.torque_before_nm), nm(s.torque_after_nm)],
-        vec![open, mrad(s.open_loop_before_rad), mrad(s.open_loop_after_rad)],
+        vec![open, angle(s.open_loop_before_rad), angle(s.open_loop_after_rad)],
     ]
 }
 

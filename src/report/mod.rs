@@ -1,13 +1,10 @@
-//! Tables and pages a person reads.
+//! Pages a person reads, and what they have in common with the terminal.
 
 pub mod diagnosis;
+#[cfg(feature = "report")]
 pub mod html;
-mod markdown;
-mod paragraph;
-mod rounded;
-mod table;
 
-pub use markdown::markdown_table;
-pub use paragraph::paragraph;
-pub use rounded::to_uncertainty;
-pub use table::table;
+pub use crate::text::{broken, markdown_table, paragraph, table, to_uncertainty, width};
+
+/// What is being said, and what is said of it.
+pub type Fact = (String, String);

@@ -1,7 +1,6 @@
 //! A twin as the simulation takes it.
 
 use crate::effects::{Effect, Scope};
-use crate::robot::Drive;
 use crate::signals::Samples;
 use crate::simulation::{Injection, Thermal};
 use crate::twin::Twin;
@@ -9,21 +8,11 @@ use crate::twin::Twin;
 /// Temperature at which friction holds as it stands, where none is recorded, deg C.
 const USUAL_C: f64 = 25.0;
 
-/// The drive with the rotor inertia the twin reckons with: a value among its effects stands in
-/// place of the drive's.
-pub fn drive(twin: &Twin) -> Drive {
-    let mut drive = twin.drive.clone();
-    if let Some(given) = twin.values.get("rotor_inertia") {
-        drive.rotor_inertia.clone_from(given);
-    }
-    drive
-}
-
 /// The twin's known effects at the joints where they act. What begins at a time counts from
 /// `start_s`, when the recording begins.
 pub fn injections(twin: &Twin, start_s: f64) -> Vec<Injection> {
     let all: Vec<usize> = (0..twin.robot.dof()).collect();
-    let others = twin.known().filter(|e| e.about().name != "rotor_inertia");
+    let others = twin.known().filter(|e| e.stands_for().is_none());
     let injection = |effect: &'static dyn Effect| {
         let whole_arm = effect.about().scope == Scope::Arm;
         let rows = if whole_arm { &all[..1] } else { &all[..] };

@@ -40,7 +40,7 @@ pub fn closed_loop(
 ) -> Result<Replayed, ResimulationError> {
     let time: Vec<f64> = (0..samples.len()).map(|k| k as f64 * samples.dt).collect();
     let along = Spline::through(&time, q).ok_or(ResimulationError::Motion("recorded"))?;
-    let drive = arm::drive(twin);
+    let drive = twin.whole_drive();
     let mut simulation = Simulation::new(&Setup {
         robot: twin.robot.clone(),
         drive: drive.clone(),

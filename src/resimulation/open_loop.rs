@@ -69,7 +69,7 @@ impl<'a> Arm<'a> {
     fn new(twin: &Twin, samples: &'a Samples) -> Result<Self, ResimulationError> {
         let injected = arm::injections(twin, samples.start);
         let effects = Injections::new(&injected);
-        let drive = arm::drive(twin);
+        let drive = twin.whole_drive();
         let mut mechanism = Mechanism::with_armature(twin.robot.clone(), drive.rotor_inertia);
         effects.build(&mut mechanism);
         let rigid = mechanism.transmission.iter().all(Option::is_none);

@@ -7,7 +7,7 @@ use crate::series::JointSeries;
 const LARGEST: f64 = 1e9;
 
 /// One entry per joint, base to wrist.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Drive {
     /// Motor turns per joint turn.
     pub gear_ratio: Vec<f64>,
@@ -23,7 +23,25 @@ pub struct Drive {
     pub servo: Option<Servo>,
 }
 
+/// What a drive holds of an effect, one value per joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DrivePart {
+    RotorInertia,
+}
+
 impl Drive {
+    pub fn part(&self, part: DrivePart) -> &Vec<f64> {
+        match part {
+            DrivePart::RotorInertia => &self.rotor_inertia,
+        }
+    }
+
+    pub fn part_mut(&mut self, part: DrivePart) -> &mut Vec<f64> {
+        match part {
+            DrivePart::RotorInertia => &mut self.rotor_inertia,
+        }
+    }
+
     /// A drive without rotor inertia and limits.
     pub fn new(gear_ratio: Vec<f64>, torque_constant: Vec<f64>) -> Self {
         let rotor_inertia = vec![0.0; gear_ratio.len()];

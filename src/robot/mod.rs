@@ -12,7 +12,7 @@ pub mod tables;
 mod tests;
 pub mod urdf;
 
-pub use drive::Drive;
+pub use drive::{Drive, DrivePart};
 pub use dynamics::*;
 pub use error::RobotError;
 pub use model::{Body, Inertia, Joint, Limits, Placement, Robot};

@@ -1,10 +1,11 @@
 //! What a rigid tree of revolute joints is. Immutable; state is passed to the dynamics explicitly.
 
 use nalgebra::{Matrix3, Unit, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// A rigid robot with revolute joints, bodies numbered so that parents come first
 /// (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, section 4.1).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Robot {
     pub name: String,
     /// Body `i` moves with joint `i`.
@@ -15,7 +16,7 @@ pub struct Robot {
     pub flange: Placement,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Body {
     pub name: String,
     /// Index of the parent body; `None` is the fixed base.
@@ -25,7 +26,7 @@ pub struct Body {
     pub inertia: Inertia,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Joint {
     pub name: String,
     /// Joint frame at q = 0, seen from the parent body's frame.
@@ -36,7 +37,7 @@ pub struct Joint {
 }
 
 /// rad, rad/s, N.m. A continuous joint has infinite `lower` and `upper`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Limits {
     pub lower: f64,
     pub upper: f64,
@@ -45,7 +46,7 @@ pub struct Limits {
 }
 
 /// A frame seen from another: x_other = rotation * x_own + translation.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Placement {
     pub rotation: Matrix3<f64>,
     pub translation: Vector3<f64>,
@@ -76,7 +77,7 @@ impl Placement {
 }
 
 /// Mass, centre of mass, and rotational inertia about the centre of mass, in body axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Inertia {
     /// kg
     pub mass: f64,

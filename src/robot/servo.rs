@@ -19,7 +19,7 @@ const LONGEST_S: f64 = 1.0;
 const WIDEST_RAD: f64 = 1.0;
 
 /// One entry per joint, base to wrist.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Servo {
     /// K, N.m/rad, at the gain register in `register`.
     pub gain: Vec<f64>,
@@ -28,6 +28,7 @@ pub struct Servo {
     /// B, N.m.s/rad at the joint: the motor's own voltage.
     pub damping: Vec<f64>,
     /// Torque at standstill with all of the supply, N.m; infinite is unlimited.
+    #[serde(with = "unlimited")]
     pub max_torque: Vec<f64>,
     /// w, rad to either side of the command.
     pub dead_band: Vec<f64>,
@@ -35,6 +36,22 @@ pub struct Servo {
     pub delay: Vec<f64>,
     /// o, rad: the command as the servo takes it less as it was recorded.
     pub offset: Vec<f64>,
+}
+
+/// Infinite limits: JSON has no such number, so that they are null there.
+mod unlimited {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(limits: &[f64], to: S) -> Result<S::Ok, S::Error> {
+        let finite: Vec<Option<f64>> =
+            limits.iter().map(|l| Some(*l).filter(|l| l.is_finite())).collect();
+        finite.serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
+        let limits = Vec::<Option<f64>>::deserialize(from)?;
+        Ok(limits.into_iter().map(|l| l.unwrap_or(f64::INFINITY)).collect())
+    }
 }
 
 /// What servos were told and made of it, at uniform instants.

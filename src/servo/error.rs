@@ -1,5 +1,6 @@
 //! What can keep an arm of servos from being simulated along a recording.
 
+use crate::follow::Interrupted;
 use crate::signals::SignalError;
 use crate::statistics::StatisticsError;
 
@@ -10,6 +11,8 @@ pub enum ServoError {
     Signals(#[from] SignalError),
     #[error(transparent)]
     Statistics(#[from] StatisticsError),
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     #[error(
         "the twin says nothing of position servos, by which a recording without torque is simulated: give \
          it a [servo] table, for example model = \"sts3215\""

@@ -6,6 +6,7 @@ use super::gap::PositionGap;
 use super::parameters::{Free, with_values};
 use super::problem::Problem;
 use super::{ServoError, Track, replay};
+use crate::follow::{Watch, go_on, stoppable};
 use crate::identification::levenberg_marquardt::{Residuals, Settings as Search, Stop, minimise};
 use crate::regression::bounds::Bounds;
 use crate::statistics::infer;
@@ -72,12 +73,13 @@ const SHORTEST_S: f64 = 1.0;
 /// Fits `free` to all `tracks` at once.
 ///
 /// # Errors
-/// If the twin cannot be simulated as given, or the tracks are too short for so many values.
+/// If the twin cannot be simulated as given, the tracks are too short for so many values, or `watch` ends it.
 pub fn identify(
     twin: &Twin,
-    tracks: &[Track],
+    tracks: &[&Track],
     free: &[Free],
     settings: &Settings,
+    watch: &dyn Watch,
 ) -> Result<Fitted, ServoError> {
     if free.is_empty() {
         return Err(ServoError::NothingToFit);
@@ -89,7 +91,7 @@ pub fn identify(
     }
     let x: Vec<f64> = free.iter().map(|f| f.start).collect();
     let before = gaps(&with_values(twin, free, &x), tracks, settings)?;
-    let (problem, x, evaluations, stop) = search(problem, x, settings);
+    let (problem, x, evaluations, stop) = stoppable(watch, || search(problem, x, settings, watch))?;
     let estimates = estimates(&problem, &x, settings)?;
     let fitted = with_values(twin, free, &x);
     let after = gaps(&fitted, tracks, settings)?;
@@ -105,6 +107,7 @@ fn search<'a>(
     mut problem: Problem<'a>,
     mut x: Vec<f64>,
     settings: &Settings,
+    watch: &dyn Watch,
 ) -> (Problem<'a>, Vec<f64>, usize, Stop) {
     let bounds = Bounds::new(
         problem.free.iter().map(|f| f.min).collect(),
@@ -122,6 +125,7 @@ fn search<'a>(
     let (mut evaluations, mut stop) = (0, Stop::Evaluations);
     for round in 0..=ROUNDS {
         let problem = if round == 0 { &mut short } else { &mut problem };
+        go_on(watch);
         problem.weights = weights(problem, &x);
         let found = minimise(problem, &x, &bounds, &search);
         evaluations += found.evaluations;
@@ -181,10 +185,10 @@ fn estimates(
 
 fn gaps(
     twin: &Twin,
-    tracks: &[Track],
+    tracks: &[&Track],
     settings: &Settings,
 ) -> Result<Vec<PositionGap>, ServoError> {
-    let of = |track: &Track| {
+    let of = |track: &&Track| {
         let simulated = replay(twin, track, &track.stretches(settings.horizon_s))?;
         Ok(PositionGap::new(track, &simulated))
     };

@@ -14,6 +14,7 @@ use crate::diagnosis::{
     By, Cause, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink, mend,
 };
 use crate::effects::{Seen, find};
+use crate::follow::Watch;
 use crate::identification::levenberg_marquardt::Stop;
 use crate::series::JointSeries;
 use crate::signals::Samples;
@@ -32,16 +33,17 @@ pub fn simulate_again(
     diagnosis: &mut Diagnosis,
     twin: &Twin,
     [fit, check]: [&Samples; 2],
+    watch: &dyn Watch,
 ) -> Result<Vec<JointSeries>, ServoError> {
     let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
     let [fit, check] = [Track::new(fit, servo)?, Track::new(check, servo)?];
     let mut notes = Vec::new();
     let given = rigid(mend(twin, &diagnosis.fitted_before, &[]), &mut notes);
-    let before = refit(&given, twin, &[], &fit)?;
+    let before = refit(&given, twin, &[], &fit, watch)?;
     keep_open(&mut diagnosis.fitted_before, twin, &before);
     let changes = diagnosis.changes();
     let mended = rigid(mend(twin, &diagnosis.fitted, &changes), &mut notes);
-    let after = refit(&mended, twin, &changes, &fit)?;
+    let after = refit(&mended, twin, &changes, &fit, watch)?;
     keep_open(&mut diagnosis.fitted, twin, &after);
     let all = diagnosis.causes.iter_mut().chain(&mut diagnosis.adjustments);
     all.for_each(|cause| keep_cause(cause, twin, &after.estimates));
@@ -65,7 +67,13 @@ pub fn simulate_again(
 }
 
 /// `start` with the values of what `twin` leaves open and of the causes fitted by simulation.
-fn refit(start: &Twin, twin: &Twin, causes: &[Cause], fit: &Track) -> Result<Fitted, ServoError> {
+fn refit(
+    start: &Twin,
+    twin: &Twin,
+    causes: &[Cause],
+    fit: &Track,
+    watch: &dyn Watch,
+) -> Result<Fitted, ServoError> {
     let open: Vec<String> = twin.open().map(|e| e.about().name.to_string()).collect();
     let mut free = free_parameters(start, &open)?;
     for cause in causes.iter().filter(|c| is_simulated(&c.effect)) {
@@ -95,12 +103,7 @@ fn refit(start: &Twin, twin: &Twin, causes: &[Cause], fit: &Track) -> Result<Fit
             stop,
         });
     }
-    identify(
-        start,
-        std::slice::from_ref(fit),
-        &free,
-        &Settings { level: LEVEL, ..Settings::default() },
-    )
+    identify(start, &[fit], &free, &Settings { level: LEVEL, ..Settings::default() }, watch)
 }
 
 /// Of the intervals of a diagnosis.

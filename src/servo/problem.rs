@@ -24,7 +24,7 @@ const SMALL: f64 = 0.05;
 /// What is minimised.
 pub struct Problem<'a> {
     pub twin: &'a Twin,
-    pub tracks: &'a [Track],
+    pub tracks: &'a [&'a Track],
     pub free: &'a [Free],
     /// Track and samples of each stretch.
     pub stretches: Vec<(usize, Range<usize>)>,
@@ -34,8 +34,8 @@ pub struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     /// Stretches of `horizon_s` at most; all joints weigh alike.
-    pub fn new(twin: &'a Twin, tracks: &'a [Track], free: &'a [Free], horizon_s: f64) -> Self {
-        let of = |(i, t): (usize, &Track)| -> Vec<(usize, Range<usize>)> {
+    pub fn new(twin: &'a Twin, tracks: &'a [&'a Track], free: &'a [Free], horizon_s: f64) -> Self {
+        let of = |(i, t): (usize, &&Track)| -> Vec<(usize, Range<usize>)> {
             t.stretches(horizon_s).into_iter().map(|s| (i, s)).collect()
         };
         let stretches = tracks.iter().enumerate().flat_map(of).collect();
@@ -84,7 +84,7 @@ impl<'a> Problem<'a> {
 
     fn stretch(&self, twin: &Twin, s: usize) -> Vec<f64> {
         let (i, range) = &self.stretches[s];
-        let (track, dof) = (&self.tracks[*i], self.weights.len());
+        let (track, dof) = (self.tracks[*i], self.weights.len());
         let mut errors = Vec::with_capacity(range.len() * dof);
         let mut k = range.start;
         let done = Plant::new(twin, track.start).and_then(|mut plant| {

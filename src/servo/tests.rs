@@ -79,7 +79,7 @@ fn values_come_back_from_command_and_position() {
     let effects = ["coulomb", "servo_gain", "servo_delay"].map(String::from);
     let free = free_parameters(&twin, &effects).unwrap();
     let settings = Settings { horizon_s: 2.0, ..Settings::default() };
-    let found = identify(&twin, std::slice::from_ref(&track), &free, &settings).unwrap();
+    let found = identify(&twin, &[&track], &free, &settings, &()).unwrap();
     assert!(found.stop.converged(), "{:?}", found.stop);
     for e in &found.estimates {
         let j = e.joint.unwrap() - 1;

@@ -7,7 +7,7 @@ use crate::effects::{self, Effect, Parameter, Scope};
 use crate::twin::PerJoint;
 
 /// The key that limits an effect to some joints, counted from 1.
-const JOINTS: &str = "joints";
+pub(super) const JOINTS: &str = "joints";
 
 /// One injection per table; the values of effects named in `beyond` may leave the catalogue's
 /// range. Messages name the key.

@@ -11,6 +11,7 @@ mod scenario;
 mod sensors;
 mod setup;
 mod sliding;
+mod switch;
 mod thermal;
 mod truth;
 
@@ -19,9 +20,10 @@ pub use injection::{Injection, Injections};
 pub use plant::{Plant, PlantError};
 pub use reference::Reference;
 pub use run::{Exact, Glimpse, Run, Shown, Simulation, SimulationError};
-pub use scenario::{Experiment, Scenario, ScenarioError};
+pub use scenario::{Experiment, Moved, Scenario, ScenarioError};
 pub use sensors::{Noise, Quantisation};
 pub use setup::{Clock, ClockError, Setup};
+pub use switch::Switch;
 pub use thermal::Thermal;
 pub use truth::Truth;
 

@@ -304,10 +304,9 @@ impl Simulation {
             },
         };
         self.record_target(command, &mut recording);
-        let current_noise_a = self.sense(&exact, interval, seed, number, &mut recording);
-        match &self.servo {
-            Some(_) => recording.channels.retain(|c| is_told(&c.name)),
-            None => put(&mut recording, "joint_temperatures", &exact.temperature),
+        let current_noise_a = self.sense(&exact, interval, (seed, number), None, &mut recording);
+        if self.servo.is_none() {
+            put(&mut recording, "joint_temperatures", &exact.temperature);
         }
         let clean = [self.shown_q(&exact.q), exact.qd.clone(), self.shown_current(&exact.tau)];
         let [q, qd, current] = self.effects_measure(interval, &exact, clean);
@@ -318,13 +317,19 @@ impl Simulation {
     /// Takes a run's motion through the sensors once more, with the noise of another `seed`; what noise
     /// does through the controller is not repeated.
     pub fn sensed_again(&self, run: &Run, seed: u64, number: u64) -> Run {
+        self.sensed_with(run, None, seed, number)
+    }
+
+    /// As [`Simulation::sensed_again`], with noise of the standard deviations `noise_a` on the currents, A,
+    /// in place of what the scenario's signal-to-noise ratio makes of this motion.
+    pub fn sensed_with(&self, run: &Run, noise_a: Option<&[f64]>, seed: u64, number: u64) -> Run {
         let interval = self.clock.step_s * self.clock.steps_per_sample as f64;
         let mut again = run.clone();
         let sensed = |name: &str| name.starts_with("actual_");
         again.recording.channels.retain(|c| !sensed(&c.name));
         again.recording.provenance.source = format!("simulation, seed {seed}, recording {number}");
         again.current_noise_a =
-            self.sense(&run.exact, interval, seed, number, &mut again.recording);
+            self.sense(&run.exact, interval, (seed, number), noise_a, &mut again.recording);
         again
     }
 
@@ -333,12 +338,13 @@ impl Simulation {
         &self,
         exact: &Exact,
         interval: f64,
-        seed: u64,
-        number: u64,
+        (seed, number): (u64, u64),
+        noise_a: Option<&[f64]>,
         recording: &mut Recording,
     ) -> Vec<f64> {
         let current = self.shown_current(&exact.tau);
-        let current_noise_a = sensors::sigma_of_snr(&current, self.noise.snr_db);
+        let usual = || sensors::sigma_of_snr(&current, self.noise.snr_db);
+        let current_noise_a = noise_a.map_or_else(usual, <[f64]>::to_vec);
         let everywhere = |sigma: f64| vec![sigma; self.plant.dof()];
         let noisy = |which, series: &JointSeries, sigma: &[f64]| {
             sensors::noisy(series, sigma, &mut stream(seed, number, which))
@@ -360,6 +366,9 @@ impl Simulation {
             ("current", current, step.current_a),
         ] {
             put(recording, &format!("actual_{name}"), &sensors::rounded(&series, step));
+        }
+        if self.servo.is_some() {
+            recording.channels.retain(|c| is_told(&c.name));
         }
         current_noise_a
     }

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use super::inject::injections;
 use super::setup::{Clock, Setup};
-use super::{ControllerSettings, Noise, Quantisation, Thermal};
+use super::{ControllerSettings, Injection, Noise, Quantisation, Thermal};
 use crate::limits::read_settings;
 use crate::motion::{Settings, Trajectory};
-use crate::robot::Chain;
+use crate::robot::{Chain, Drive, Robot};
 use crate::twin::{DriveTable, PerJoint, ServoTable, read_robot};
 
 /// The file as written. Tables and keys that are left out take their defaults; unknown ones are
@@ -93,6 +93,23 @@ pub struct Experiment {
     pub notes: Vec<String>,
 }
 
+/// An arm as it is moved, but for what is hidden in it.
+pub struct Moved {
+    pub robot: Robot,
+    pub drive: Drive,
+    /// Effects that its owner knows of.
+    pub known: Vec<Injection>,
+    /// What was assumed about it.
+    pub notes: Vec<String>,
+}
+
+impl Experiment {
+    /// Both motions with their names and numbers: the sensors' noise differs by number.
+    pub fn motions(&self) -> [(&'static str, u64, &Trajectory); 2] {
+        [("fit", 0, &self.fit), ("check", 1, &self.check)]
+    }
+}
+
 impl Scenario {
     pub fn load(path: &Path) -> Result<Self, ScenarioError> {
         let file = path.display().to_string();
@@ -127,18 +144,29 @@ impl Scenario {
     fn resolve(&self, file: &Path) -> Result<Experiment, String> {
         let chain = Chain { base: self.base.clone(), tip: self.tip.clone() };
         let loaded = read_robot(&self.robot, &chain, file).map_err(|e| format!("robot: {e}"))?.1;
-        let (robot, notes) = (loaded.robot, loaded.notes);
         let drive = self
             .drive
-            .on(&self.robot, robot.dof(), self.servo.as_ref())
+            .on(&self.robot, loaded.robot.dof(), self.servo.as_ref())
             .map_err(|e| e.to_string())?;
+        self.on(Moved { robot: loaded.robot, drive, known: Vec::new(), notes: loaded.notes })
+    }
+
+    /// The experiment on an arm that is at hand, in place of `robot` and `drive`; effects of the same name
+    /// as one that is `known` of it take its place.
+    ///
+    /// # Errors
+    /// What is wrong, with the key.
+    pub fn on(&self, arm: Moved) -> Result<Experiment, String> {
+        let Moved { robot, drive, known, notes } = arm;
         self.noise.check()?;
         self.quantisation.check()?;
         self.controller.check()?;
         self.thermal.check()?;
         let clock = Clock::new(self.step_s, self.controller.rate_hz, self.rate_hz);
         let clock = clock.map_err(|e| e.to_string())?;
-        let effects = injections(&self.effects, &self.beyond_range, robot.dof())?;
+        let mut effects = injections(&self.effects, &self.beyond_range, robot.dof())?;
+        let hidden = |i: &Injection| self.effects.contains_key(i.effect.about().name);
+        effects.extend(known.into_iter().filter(|i| !hidden(i)));
         let fit = self.motion.trajectory(&robot).map_err(|e| e.to_string())?;
         let check_motion = self.check_motion()?;
         let check = check_motion.trajectory(&robot).map_err(|e| format!("in [check], {e}"))?;

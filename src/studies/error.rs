@@ -4,6 +4,7 @@ use std::io;
 use std::path::Path;
 
 use crate::diagnosis::DiagnosisError;
+use crate::figure::FigureError;
 use crate::identification::IdentificationError;
 use crate::motor::report::MotorError;
 use crate::motor::scenario::ScenarioError as MotorScenarioError;
@@ -23,7 +24,11 @@ pub enum StudyError {
     #[error(transparent)]
     Diagnosis(#[from] DiagnosisError),
     #[error(transparent)]
+    Watch(#[from] crate::watch::WatchError),
+    #[error(transparent)]
     Motor(#[from] MotorError),
+    #[error(transparent)]
+    Figure(#[from] FigureError),
     #[error("[motor] {0}")]
     MotorScenario(#[from] MotorScenarioError),
     #[error("the scenario has no table [effects.{0}]: it cannot be made weaker or stronger")]

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::excitation::{Design, ExcitationError, Report, Request, design};
-use crate::report::markdown_table;
+use crate::text::markdown_table;
 use crate::twin::Twin;
 
 /// One goal, designed for with several seeds.

@@ -1,5 +1,6 @@
 //! Long measurements over many seeds: simulate, identify, hold against the truth.
 
+pub mod alarms;
 pub mod detectability;
 mod error;
 pub mod excitation;

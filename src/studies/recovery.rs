@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::StudyError;
+use crate::effects::of_drive;
 use crate::identification::{
     BoundsByName, Dropped, Method, MethodResult, ParameterEstimate, Settings, Terms, assemble,
     identify, reduce,
@@ -103,7 +104,9 @@ fn truths(made: &Experiment) -> BTreeMap<String, Vec<f64>> {
     for name in ["viscous", "viscous_quadratic", "viscous_cubic", "offset"] {
         truth.insert(name.into(), vec![0.0; joints]);
     }
-    truth.insert("rotor_inertia".into(), made.setup.drive.rotor_inertia.clone());
+    truth.extend(
+        of_drive().map(|(_, part, name)| (name.into(), made.setup.drive.part(part).clone())),
+    );
     made.setup.effects.iter().for_each(|injection| write_down(injection, joints, &mut truth));
     let level = truth.get("coulomb").zip(truth.get("stribeck_excess"));
     if let Some((coulomb, excess)) = level {

@@ -5,11 +5,11 @@ use std::path::Path;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use serde::Serialize;
 
+use super::asked::Draw;
 use super::case::{CHECK, FIT, TWIN, case_name, new_folder, write_settings, write_text};
 use super::hide::Hiding;
-use super::nuisance::{CENTRE_ERROR_M, MASS_ERROR, replace};
+use super::nuisance::replace;
 use super::plan::{Plan, plans};
 use super::third;
 use super::truth::{SCHEMA, place};
@@ -19,40 +19,6 @@ use crate::effects::Scope;
 use crate::recording::{Recording, write_csv};
 use crate::simulation::{Command, Injection, Run, Simulation, SimulationError};
 use crate::twin::Twin;
-
-/// What to draw.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Draw {
-    pub cases: usize,
-    pub seed: u64,
-    /// Kinds or effects, by name; empty is all.
-    pub only: Vec<String>,
-    /// Link masses and centres off, coloured noise, skewed channels.
-    pub nuisance: bool,
-    /// Length of the fit and of the check recording, s.
-    pub duration_s: f64,
-    /// What the answerer is told.
-    pub settings: Settings,
-}
-
-impl Draw {
-    /// `cases` of one family; the answerer is told how well link masses are known.
-    pub fn new(cases: usize, seed: u64, nuisance: bool) -> Self {
-        let known = |error| if nuisance { error } else { 0.0 };
-        Self {
-            cases,
-            seed,
-            only: Vec::new(),
-            nuisance,
-            duration_s: 48.0,
-            settings: Settings {
-                mass_error: known(MASS_ERROR),
-                centre_error_m: known(CENTRE_ERROR_M),
-                ..Settings::default()
-            },
-        }
-    }
-}
 
 /// Draws all cases into `out` in parallel and seals them; `done` is told of each.
 ///

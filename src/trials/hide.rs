@@ -4,7 +4,7 @@
 use rand_chacha::ChaCha8Rng;
 
 use super::arm::arm;
-use super::draw::Draw;
+use super::asked::Draw;
 use super::nuisance::Nuisance;
 use super::plan::Plan;
 use super::shapes::{Ground, Shape, Size, shape};

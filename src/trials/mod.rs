@@ -12,6 +12,7 @@
 
 mod answer;
 mod arm;
+mod asked;
 mod baselines;
 mod case;
 mod criteria;
@@ -30,16 +31,18 @@ mod strength;
 mod third;
 mod truth;
 
+pub use crate::files::sha256;
 pub use answer::{Answer, answer};
+pub use asked::Draw;
 pub use baselines::{BaselineAnswer, Method};
 pub use case::{Case, case_folders};
 pub use criteria::{CriteriaTrial, Moved, Row, Work, criteria_page};
-pub use draw::{Draw, draw};
+pub use draw::draw;
 pub use error::TrialError;
 pub use import::{Names, import};
 pub use on_recordings::{DrawOn, Sources, draw_on};
 pub use score::{
     Chapter, Figure, Goal, Judged, Printed, Share, figures, goals, judge, page, score,
 };
-pub use seal::{Seals, sha256, write_json};
+pub use seal::{Seals, write_json};
 pub use truth::{Hidden, Kind, Strength, TrueValue, Truth};

@@ -6,10 +6,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::{TrialError, Truth};
-use crate::files::{write_own, write_whole};
+use crate::files::{sha256, write_own, write_whole};
 
 const SCHEMA: &str = "armtwin.seals/1";
 const FOLDER: &str = "sealed";
@@ -24,11 +23,6 @@ pub struct Seals {
     pub made: String,
     /// File name in `sealed/` -> SHA-256, hexadecimal.
     pub sha256: BTreeMap<String, String>,
-}
-
-/// SHA-256, hexadecimal.
-pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// Where the sealed file `name` of the trial in `dir` lies.

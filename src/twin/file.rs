@@ -122,17 +122,10 @@ impl Twin {
 
     /// The text of a `TWIN.toml` that [`Twin::parse`] reads back as the same twin.
     pub fn to_toml(&self) -> String {
-        let each = |v: &Vec<f64>| Some(PerJoint::Each(v.clone()));
-        let drive = DriveTable {
-            gear_ratio: each(&self.drive.gear_ratio),
-            torque_constant: each(&self.drive.torque_constant),
-            rotor_inertia: each(&self.drive.rotor_inertia),
-            current_limit: self.drive.current_limit.as_ref().and_then(each),
-            torque_limit: self.drive.torque_limit.as_ref().and_then(each),
-        };
         let values = self.values.iter().map(|(k, v)| (k.clone(), PerJoint::Each(v.clone())));
         let twin = TwinTable { effects: Some(self.effects.clone()), values: values.collect() };
         let Chain { base, tip } = self.chain.clone();
+        let drive = DriveTable::of(&self.drive);
         let servo = self.drive.servo.as_ref().map(ServoTable::of);
         let contents = Contents { robot: Some(self.source.clone()), base, tip, drive, servo, twin };
         // Strings, lists and numbers under fixed keys: nothing TOML cannot hold.

@@ -6,6 +6,7 @@
 mod correct;
 mod file;
 mod named;
+mod of_drive;
 mod parts;
 mod possible;
 
@@ -24,7 +25,7 @@ use crate::robot::{Chain, Drive, Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
 
 /// What is known about the arm before a recording is seen.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Twin {
     /// A built-in arm's name or the path of a URDF, from which `robot` was read.
     pub source: String,
@@ -37,7 +38,7 @@ pub struct Twin {
     /// Names from the catalogue.
     pub effects: Vec<String>,
     /// Values that are known, by parameter name, one per joint (one in all for the whole arm);
-    /// what is absent is fitted. A `rotor_inertia` here stands in place of the drive's.
+    /// what is absent is fitted. What the drive has a place for stands here in place of the drive's.
     pub values: BTreeMap<String, Vec<f64>>,
 }
 
@@ -71,7 +72,7 @@ impl Twin {
     /// What the drive must supply along a motion of `self.robot`, N.m.
     pub fn torque(&self, motion: &Motion<'_>) -> JointSeries {
         let mut tau = inverse_dynamics_series(&self.robot, motion.q, motion.qd, motion.qdd);
-        for (joint, inertia) in self.armature().into_iter().enumerate() {
+        for (joint, inertia) in self.bare_drive().rotor_inertia.into_iter().enumerate() {
             add_scaled(tau.joint_mut(joint), inertia, motion.qdd.joint(joint));
         }
         let laden = self.laden();
@@ -110,18 +111,11 @@ impl Twin {
         self.mechanism(|_| true).robot
     }
 
-    /// Rotor inertia of the drive, kg.m2 per joint; zero where the effect `rotor_inertia` replaces it.
-    fn armature(&self) -> Vec<f64> {
-        match self.values.contains_key("rotor_inertia") {
-            true => vec![0.0; self.robot.dof()],
-            false => self.drive.rotor_inertia.clone(),
-        }
-    }
-
     /// The arm with the drive's rotors and with all that is known and asked for by `which` built in,
     /// in the order of the catalogue.
     pub fn mechanism(&self, which: impl Fn(&dyn Effect) -> bool) -> Mechanism {
-        let mut mechanism = Mechanism::with_armature(self.robot.clone(), self.armature());
+        let mut mechanism =
+            Mechanism::with_armature(self.robot.clone(), self.bare_drive().rotor_inertia);
         let known = CATALOGUE.iter().copied().filter(|e| self.knows_of(*e));
         for effect in known.filter(|e| which(*e)) {
             self.build(effect, &mut mechanism);

@@ -39,6 +39,18 @@ pub struct DriveTable {
 }
 
 impl DriveTable {
+    /// The table that [`DriveTable::on`] makes `drive` of.
+    pub fn of(drive: &Drive) -> Self {
+        let each = |v: &Vec<f64>| Some(PerJoint::Each(v.clone()));
+        Self {
+            gear_ratio: each(&drive.gear_ratio),
+            torque_constant: each(&drive.torque_constant),
+            rotor_inertia: each(&drive.rotor_inertia),
+            current_limit: drive.current_limit.as_ref().and_then(each),
+            torque_limit: drive.torque_limit.as_ref().and_then(each),
+        }
+    }
+
     /// The drive of an arm of `dof` joints; `robot` is its name or path.
     ///
     /// # Errors

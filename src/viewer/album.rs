@@ -8,8 +8,8 @@ use super::palette::Rgb;
 use super::plots::{TIMELINE, curve, log_curves};
 use super::scene::Shown;
 use super::{Error, arm, log_error};
-use crate::case_studies::draw::{COLOURS, Line, Panel};
 use crate::case_studies::figures::Figure;
+use crate::figure::{Line, Panel, SERIES, labels, thinned};
 
 /// Figures under one name.
 pub struct Album<'a> {
@@ -53,7 +53,7 @@ fn tab(figure: &Figure) -> Node {
     }
     let plot = |p: &Panel| {
         let legend = p.lines.iter().any(|l| !l.label.is_empty());
-        time_series(format!("{} / {}", p.title, p.up), entity(figure, p), legend)
+        time_series(format!("{} / {}", p.title, p.up.0), entity(figure, p), legend)
     };
     let plots: Vec<Node> = figure.panels.iter().map(plot).collect();
     if plots.len() > 3 { grid(&figure.name, plots) } else { stack(&figure.name, plots) }
@@ -74,27 +74,29 @@ fn frame(path: &[[f64; 3]]) -> arm::Frame {
 }
 
 fn log_panels(stream: &RecordingStream, figure: &Figure) -> Result<(), Error> {
+    let names = labels(&figure.panels);
     for panel in &figure.panels {
         for (k, line) in panel.lines.iter().enumerate() {
             let entity = format!("{}/{}", entity(figure, panel), k + 1);
-            log_line(stream, &entity, line, &panel.title)?;
+            log_line(stream, &entity, line, &panel.title, &names)?;
         }
     }
     Ok(())
 }
 
-/// Logs one line; between two stretches a value that is not known leaves a gap.
-fn log_line(stream: &RecordingStream, entity: &str, line: &Line, title: &str) -> Result<(), Error> {
-    let count: usize = line.stretches.iter().map(Vec::len).sum();
-    let thin = count.div_ceil(MOST_POINTS).max(1);
-    let mut points: Vec<(f64, f64)> = Vec::new();
-    for stretch in &line.stretches {
-        points.extend(stretch.iter().step_by(thin));
-        points.extend(stretch.last().map(|last| (last.0, f64::NAN)));
-    }
+/// Logs one line; a value that is not known leaves a gap.
+fn log_line(
+    stream: &RecordingStream,
+    entity: &str,
+    line: &Line,
+    title: &str,
+    names: &[&str],
+) -> Result<(), Error> {
+    let points = thinned(&line.points, MOST_POINTS / 2);
     let time = TimeColumn::new_duration_secs(TIMELINE, points.iter().map(|p| p.0));
     let values: Vec<f64> = points.iter().map(|p| p.1).collect();
-    let [r, g, b] = COLOURS[line.colour % COLOURS.len()];
+    let place = names.iter().position(|name| *name == line.label).unwrap_or(0);
+    let [r, g, b] = line.colour.rgb(place);
     let name = if line.label.is_empty() { title } else { &line.label };
     log_curves(stream, &time, entity, &[curve(name, Rgb(r, g, b), &values)])
 }
@@ -108,7 +110,7 @@ fn log_path(stream: &RecordingStream, figure: &Figure) -> Result<(), Error> {
             .with_radii([Radius::new_ui_points(radius)])
     };
     let path = figure.path.iter().map(|p| p.map(|v| v as f32)).collect();
-    let [r, g, b] = COLOURS[1];
+    let [r, g, b] = SERIES[1];
     let path = strip(path, Rgb(r, g, b).into(), 1.2);
     stream.log_static(format!("{name}/path"), &path).map_err(log_error)?;
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {

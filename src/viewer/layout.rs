@@ -4,10 +4,13 @@ use super::blueprint::{Node, arms, columns, grid, rows, stack, tabs, text, time_
 use super::plots::{self, Quantity};
 use super::{Comparison, arm};
 
+/// Entity path of the text panel.
+pub const SUMMARY: &str = "summary";
+
 pub fn root(c: &Comparison) -> Node {
     let frame = arm::frame(&c.robot, &c.recorded.q);
     let view_3d = arms("Recorded (solid) and simulated (translucent)", &frame);
-    let left = rows("Arm", vec![view_3d, text("Summary", super::scene::SUMMARY)], vec![3.0, 2.0]);
+    let left = rows("Arm", vec![view_3d, text("Summary", SUMMARY)], vec![3.0, 2.0]);
     let mut signals = vec![over_joints("Torques", c, &plots::TORQUE)];
     signals.push(over_joints("Residuals", c, &plots::RESIDUAL));
     signals.push(over_joints("Angles", c, &plots::ANGLE));

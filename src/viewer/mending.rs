@@ -6,9 +6,10 @@ use rerun::{RecordingStream, TimeColumn};
 
 use super::blueprint::{Node, arms, columns, grid, rows, stack, tabs, text, time_series};
 use super::comparison::check_shape;
+use super::layout::SUMMARY;
 use super::layout::joint_name;
 use super::plots::{Curve, TIMELINE, curve, log_curves};
-use super::scene::{SUMMARY, Shown, log_frame};
+use super::scene::{Shown, log_frame};
 use super::{Error, arm, palette};
 use crate::robot::Robot;
 use crate::series::JointSeries;

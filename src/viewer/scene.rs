@@ -10,8 +10,6 @@ use super::blueprint::{self, Node};
 use super::{Comparison, Error, arm, layout, log_error, plots};
 
 pub const APPLICATION: &str = "armtwin";
-/// Entity path of the text panel.
-pub const SUMMARY: &str = "summary";
 
 /// What a file can be made of.
 pub trait Shown {
@@ -55,7 +53,7 @@ fn encode(shown: &impl Shown) -> Result<Vec<u8>, Error> {
 /// The text panel and which way is up.
 pub fn log_frame(stream: &RecordingStream, summary: &str) -> Result<(), Error> {
     let summary = TextDocument::from_markdown(summary);
-    stream.log_static(SUMMARY, &summary).map_err(log_error)?;
+    stream.log_static(layout::SUMMARY, &summary).map_err(log_error)?;
     log_up(stream)
 }
 

@@ -7,8 +7,8 @@ use rerun::external::re_log_encoding::DecoderApp;
 use rerun::log::{Chunk, LogMsg};
 
 use super::*;
-use crate::case_studies::draw::{Line, Panel};
 use crate::case_studies::figures::Figure;
+use crate::figure::{Drawn, Line, Panel, Scale, over_time};
 use crate::robot::Robot;
 use crate::series::JointSeries;
 
@@ -272,13 +272,17 @@ fn a_twin_that_could_not_be_simulated_is_shown_by_its_torque() {
 
 /// Two stretches with a gap, and a path.
 fn figures() -> Vec<Figure> {
-    let line = |label: &str| Line::with_gaps(label, 0, &[0, 1, 5, 6], 0.5, &[1.0, 2.0, 3.0, 4.0]);
+    let line = |label: &str| Line {
+        label: label.into(),
+        drawn: Drawn::Joined,
+        points: over_time(&[0.0, 0.5, 2.5, 3.0], &[1.0, 2.0, 3.0, 4.0], 0.5),
+        ..Line::default()
+    };
     let panel = |title: &str| Panel {
         title: title.into(),
-        across: "s",
-        up: "N.m",
+        up: ("N.m", Scale::Linear),
         lines: vec![line("measured"), line("PSO")],
-        equal: false,
+        ..Panel::default()
     };
     let figure = |name: &str, panels, path| Figure {
         name: name.into(),
@@ -301,12 +305,12 @@ fn an_album_has_every_line_with_its_gaps_and_every_path() {
     write_rrd(&Album { title: "figures", figures: &figures }, &path).unwrap();
     let found = chunks(&path);
     for entity in ["/torque/joint_1/1", "/torque/joint_1/2", "/torque/joint_2/1"] {
-        assert_eq!(extent(&found[entity]), (6, 3.0), "{entity}");
+        assert_eq!(extent(&found[entity]), (5, 3.0), "{entity}");
         let timed = found[entity].iter().find(|c| !c.is_static()).unwrap();
         let scalars = rerun::Scalars::descriptor_scalars().component;
         let values: Vec<f64> = timed.iter_slices::<f64>(scalars).map(|v| v[0]).collect();
         assert_eq!((values[1], values[3], values[4]), (2.0, 3.0, 4.0));
-        assert!(values[2].is_nan() && values[5].is_nan(), "{values:?}");
+        assert!(values[2].is_nan(), "{values:?}");
     }
     assert!(found.contains_key("/path/path"));
     let none = write_rrd(&Album { title: "none", figures: &[] }, &path);

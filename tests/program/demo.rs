@@ -15,13 +15,14 @@ fn the_demo_finds_what_it_hid() {
     let held = run.stdout.matches("holds the truth").count();
     let missed = run.stdout.matches("MISSES it").count();
     assert!(held >= 30 && missed <= 3, "{held} held, {missed} missed\n{}", run.stdout);
-    assert!(run.stdout.contains("The twin lacks torque_ripple at joint 3"), "{}", run.stdout);
+    assert!(run.stdout.contains("the twin lacks torque_ripple at joint 3"), "{}", run.stdout);
     for file in ["fit.csv", "check.csv", "truth.json", "twin.toml", "diagnosis.json"] {
         assert!(fs::metadata(folder.join(file)).unwrap().len() > 100, "{file}");
     }
-    let sections = ["causes", "gap", "friction", "residual", "ranking", "shrink", "left", "about"];
-    // Torque over speed of six joints, five plots of what is left at the open one.
-    browser::assert_sound(&folder.join("report.html"), &sections, 6 + 5);
+    let sections =
+        ["torque", "causes", "gap", "friction", "residual", "ranking", "shrink", "left", "about"];
+    // The first picture, torque over time and over speed of six joints, what is left at the open one.
+    browser::assert_sound(&folder.join("report.html"), &sections, 2 + 6 + 6 + 5);
     #[cfg(feature = "viewer")]
     assert_shown(&folder.join("twin.rrd"));
 }

@@ -96,7 +96,7 @@ fn a_hidden_payload_is_named_and_the_mended_twin_has_no_gap() {
     assert!((number(&mass["value"]) - 2.0).abs() < 0.1, "{mass}");
     let (arm, answer) = page.split_once('\n').unwrap();
     assert!(arm.starts_with("arm: ur5 (by "), "{page}");
-    assert!(answer.starts_with("The twin lacks payload"), "{page}");
+    assert!(answer.contains("the twin lacks payload"), "{page}");
 
     let torque = &found["shrink"]["torque"];
     assert!(number(&torque["fraction"]) > 0.8, "{torque}");
@@ -288,7 +288,7 @@ fn what_cannot_be_diagnosed_is_refused() {
         (&["--fit", &still, "--check", &another], "the fit recording: no joint"),
         (&["--fit", "absent.csv"], "absent.csv"),
         (&["--fit", &log], "log.csv"),
-        (&["--fit", &log, "--check", &log], "--check"),
+        (&["--fit", &still, "--check", &still], "--check"),
         (&["--fit", &log, "--without", "gremlins"], "gremlins"),
     ];
     for (arguments, word) in cases {

@@ -168,6 +168,7 @@ fn the_report_shows_torque_and_what_is_left() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     let sections = [
         "found",
+        "torque",
         "friction",
         "residual",
         "parameters",
@@ -176,6 +177,6 @@ fn the_report_shows_torque_and_what_is_left() {
         "untestable",
         "about",
     ];
-    // Torque over speed of six joints; of the joint that is open: over time, speed, angle.
-    assert_sound(&folder.path().join("report.html"), &sections, 6 + 3);
+    // Torque of six joints over time and over speed; of the joint that is open: over time, speed, angle.
+    assert_sound(&folder.path().join("report.html"), &sections, 6 + 6 + 3);
 }

@@ -105,7 +105,8 @@ fn every_command_has_it() {
         let names = listed.filter(|l| l.starts_with("  ") && !l.starts_with("   "));
         names.map(|l| l.split_whitespace().next().unwrap().to_string()).collect()
     };
-    let plain = ["help", "completions", "man"];
+    // An arm that is served ends when it is told to and finds nothing.
+    let plain = ["help", "completions", "man", "serve"];
     let commands: Vec<String> = words(&[]).into_iter().filter(|c| !plain.contains(&&**c)).collect();
     assert!(commands.len() >= 17, "{commands:?}");
     for command in &commands {

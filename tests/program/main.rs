@@ -29,6 +29,7 @@ mod recording;
 mod rigid_body;
 mod robots;
 mod round_trip;
+mod rtde;
 mod servo;
 mod shell;
 mod simulate;
@@ -45,8 +46,19 @@ struct Output {
     stderr: String,
 }
 
+/// Into a pipe, whose lines have no end.
 fn armtwin(arguments: &[&str]) -> Output {
-    let program = Command::new(env!("CARGO_BIN_EXE_armtwin")).args(arguments).output().unwrap();
+    ran(Command::new(env!("CARGO_BIN_EXE_armtwin")).args(arguments).env_remove("COLUMNS"))
+}
+
+/// As on a terminal of so many letters across.
+fn armtwin_across(columns: usize, arguments: &[&str]) -> Output {
+    let columns = columns.to_string();
+    ran(Command::new(env!("CARGO_BIN_EXE_armtwin")).args(arguments).env("COLUMNS", columns))
+}
+
+fn ran(command: &mut Command) -> Output {
+    let program = command.output().unwrap();
     Output {
         code: program.status.code().unwrap_or(-1),
         stdout: String::from_utf8(program.stdout).unwrap(),

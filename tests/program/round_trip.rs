@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use armtwin::effects::{CATALOGUE, Effect, Parameter, Role, Scope, Seen};
+use armtwin::effects::{CATALOGUE, Effect, Parameter, Role, RoundTrip, Scope};
 use armtwin::identification::{
     self, ArmProblem, Method, MethodResult, ParameterEstimate, Settings, Terms, assemble,
 };
@@ -91,10 +91,11 @@ impl Case {
     }
 
     fn problem(&self, twin: &Twin) -> ArmProblem {
-        // A longer guard loses the slow sliding that shows Stribeck friction. What moves a spring is
-        // faster.
-        let structural = STRUCTURAL.contains(&self.effect.about().name);
-        let motion_cutoff_hz = if structural { 20.0 } else { 8.0 };
+        // A longer guard loses the slow sliding that shows Stribeck friction.
+        let motion_cutoff_hz = match self.effect.round_trip() {
+            Some(RoundTrip::Fitted { motion_cutoff_hz, .. }) => motion_cutoff_hz,
+            _ => Conditioning::default().motion_cutoff_hz,
+        };
         let how = Conditioning { guard_s: 0.05, motion_cutoff_hz, ..Conditioning::default() };
         let samples = condition_with(&self.run.recording, twin, &how);
         let terms = Terms::named(self.scenario.effects.keys().map(String::as_str)).unwrap();
@@ -147,26 +148,28 @@ impl Case {
         twin
     }
 
-    /// (what, truth, estimate) of every linear parameter.
+    /// (parameter and joint, truth, estimate) of every linear parameter.
     fn compared(&self) -> Vec<(String, f64, ParameterEstimate)> {
         let about = self.effect.about();
         let result = self.fitted(&self.settled(self.twin()));
         let mut rows = Vec::new();
         for p in about.parameters.iter().filter(|p| p.role == Role::Linear) {
-            let already = match p.name {
-                "rotor_inertia" => self.made.setup.drive.rotor_inertia.clone(),
-                _ => vec![0.0; 6],
-            };
+            let drive = &self.made.setup.drive;
             for (j, truth) in self.truth(p, p.null).into_iter().enumerate() {
-                let (name, found) = self.estimate(&result, p, j);
+                let found = self.estimate(&result, p, j).1;
                 if let (Some(found), true) = (found, about.scope != Scope::Arm || j == 0) {
-                    let what = format!("{name} of joint {}", j + 1);
-                    rows.push((what, truth + already[j], found.clone()));
+                    let what = format!("{} of joint {}", p.name, j + 1);
+                    rows.push((what, truth + self.effect.in_drive(drive, j), found.clone()));
                 }
             }
         }
         rows
     }
+}
+
+/// The parameter of a row of [`Case::compared`].
+fn reads_as(what: &str) -> &str {
+    what.split(' ').next().unwrap_or_default()
 }
 
 fn fitted(problem: &ArmProblem) -> MethodResult {
@@ -178,40 +181,48 @@ fn condition_with(recording: &Recording, twin: &Twin, how: &Conditioning) -> Sam
     condition(recording, &twin.drive, 6, how).unwrap()
 }
 
-/// Elastic and slack joints: how the link crosses the gap is approximate, and half of a usual
-/// elasticity hides in the noise.
-const STRUCTURAL: [&str; 2] = ["backlash", "joint_flexibility"];
+type Effects = Vec<(&'static dyn Effect, RoundTrip)>;
 
-fn by_columns() -> Vec<(&'static dyn Effect, f64)> {
-    // Servos that are never switched off brake as viscous friction does.
-    let told = |e: &&'static dyn Effect| e.about().name != "servo_damping";
-    let seen = CATALOGUE.iter().copied().filter(|e| e.seen() == Seen::Columns).filter(told);
-    let strengths = |e: &'static dyn Effect| match STRUCTURAL.contains(&e.about().name) {
-        true => vec![(e, 1.0), (e, 2.0)],
-        false => vec![(e, 1.0), (e, 0.5)],
+/// Effects that come back in a way.
+fn coming_back(how: impl Fn(&RoundTrip) -> bool) -> Effects {
+    let trips = CATALOGUE.iter().map(|e| (*e, e.round_trip().expect("a round trip")));
+    trips.filter(|(_, trip)| how(trip)).collect()
+}
+
+/// At both strengths that each effect names.
+fn fitted_effects() -> Vec<(&'static dyn Effect, f64, &'static [&'static str])> {
+    let strengths = |(effect, trip): (&'static dyn Effect, RoundTrip)| match trip {
+        RoundTrip::Fitted { strengths, shows, .. } => {
+            strengths.map(|s| (effect, s, shows)).to_vec()
+        }
+        _ => vec![],
     };
-    seen.flat_map(strengths).collect()
+    coming_back(|_| true).into_iter().flat_map(strengths).collect()
 }
 
 /// At two strengths, at 30 dB. Of several hundred intervals of 99 % a few miss.
 #[test]
 fn what_was_injected_is_found_again() {
-    let tables: Vec<_> = by_columns()
+    let tables: Vec<_> = fitted_effects()
         .into_par_iter()
-        .map(|(effect, strength)| (effect.about().name, Case::new(effect, strength).compared()))
+        .map(|(effect, strength, shows)| (effect, shows, Case::new(effect, strength).compared()))
         .collect();
     let (mut inside, mut all) = (0, 0);
-    for (effect, rows) in tables {
-        let mut shown = false;
-        for (what, truth, e) in rows.iter().filter(|(_, _, e)| e.identifiable && !e.at_bound) {
+    for (effect, shows, rows) in tables {
+        let effect = effect.about().name;
+        let told = |e: &ParameterEstimate| e.identifiable && !e.at_bound;
+        for (what, truth, e) in rows.iter().filter(|(_, _, e)| told(e)) {
             let half = 0.5 * (e.high - e.low);
             assert!((e.value - truth).abs() < 1.5 * half, "{effect}: {what} is {truth}, {e:?}");
-            shown |= *truth != 0.0 && (e.low > 0.0 || e.high < 0.0);
             inside += usize::from(e.low <= *truth && *truth <= e.high);
             all += 1;
         }
-        let partly = effect == "link_inertia";
-        assert!(shown || partly, "{effect}: nothing of it was found: {rows:?}");
+        for parameter in shows {
+            let named = |what: &str| reads_as(what) == *parameter;
+            let shown = rows.iter().filter(|(what, truth, _)| named(what) && *truth != 0.0);
+            let mut shown = shown.filter(|(_, _, e)| told(e) && (e.low > 0.0 || e.high < 0.0));
+            assert!(shown.next().is_some(), "{effect}: no {parameter} was found: {rows:?}");
+        }
     }
     assert!(all > 300 && inside * 100 >= all * 98, "{inside} of {all} inside their intervals");
 }
@@ -332,11 +343,10 @@ fn mean_ratio(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn known_delays_and_lags_are_taken_out() {
-    let of_channels = CATALOGUE.iter().copied().filter(|e| e.seen() == Seen::Channels);
-    for effect in of_channels {
+    for (effect, trip) in coming_back(|trip| matches!(trip, RoundTrip::Corrected { .. })) {
         let name = effect.about().name;
-        let derivatives = match name {
-            "velocity_lag" => Derivatives::Recorded,
+        let derivatives = match trip {
+            RoundTrip::Corrected { of_velocity: true } => Derivatives::Recorded,
             _ => Derivatives::Position,
         };
         let how = Conditioning { derivatives, ..Conditioning::default() };
@@ -351,16 +361,16 @@ fn known_delays_and_lags_are_taken_out() {
 /// A limit or another controller moves the arm differently, and inverse dynamics cannot tell.
 #[test]
 fn what_inverse_dynamics_cannot_see_shows_in_the_motion() {
-    for name in ["torque_saturation", "controller_mismatch"] {
-        let effect = *CATALOGUE.iter().find(|e| e.about().name == name).unwrap();
-        assert_eq!(effect.seen(), Seen::Simulation);
+    for (effect, trip) in coming_back(|trip| matches!(trip, RoundTrip::Strays { .. })) {
+        let RoundTrip::Strays { joint, times } = trip else { continue };
+        let name = effect.about().name;
         let (case, clean) = (Case::new(effect, 1.0), without(effect));
         let how = Conditioning::default();
         let torque = mean_ratio(&left(&case, false, &how), &left(&clean, false, &how));
         // Jerkier motion is conditioned a little worse; nothing systematic is left.
         assert!((0.8..1.5).contains(&torque), "{name}: {torque} of the clean rms");
-        let [off, usual] = [&case, &clean].map(|c| tracking_error(&c.run.recording, 0));
-        assert!(off > 1.5 * usual, "{name}: {off} rad off its command, {usual} without");
+        let [off, usual] = [&case, &clean].map(|c| tracking_error(&c.run.recording, joint));
+        assert!(off > times * usual, "{name}: {off} rad off its command, {usual} without");
     }
 }
 
@@ -374,9 +384,13 @@ fn tracking_error(recording: &Recording, joint: usize) -> f64 {
 
 #[test]
 fn rounded_channels_lie_on_their_steps() {
-    let effect = *CATALOGUE.iter().find(|e| e.about().name == "quantisation").unwrap();
-    let recording = Case::new(effect, 1.0).run.recording;
-    let q = recording.channel("actual_q_3").unwrap();
-    assert!(q.iter().all(|q| (q / 5e-4 - (q / 5e-4).round()).abs() < 1e-9));
-    assert!(q.iter().any(|x| *x != q[0]));
+    for (effect, trip) in coming_back(|trip| matches!(trip, RoundTrip::Steps { .. })) {
+        let RoundTrip::Steps { channel, joint, parameter } = trip else { continue };
+        let case = Case::new(effect, 1.0);
+        let p = effect.about().parameters.iter().find(|p| p.name == parameter).unwrap();
+        let step = case.truth(p, f64::NAN)[joint];
+        let x = case.run.recording.channel(&format!("{channel}_{joint}")).unwrap();
+        assert!(x.iter().all(|x| (x / step - (x / step).round()).abs() < 1e-9), "{step}");
+        assert!(x.iter().any(|other| *other != x[0]));
+    }
 }

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
 
-use super::armtwin;
+use super::{armtwin, armtwin_across};
 
 /// `armtwin effects | head -1`
 #[test]
@@ -83,6 +83,37 @@ fn a_terminal_gets_colours_unless_they_are_refused() {
     assert!(bold.contains("\u{1b}[1m"), "{bold}");
     let plain = on_a_terminal(folder.path(), "1").unwrap();
     assert!(!plain.contains("\u{1b}[1m") && plain.contains("gap"), "{plain}");
+}
+
+/// Nothing is lost by it, and no line is longer than the terminal is wide.
+#[test]
+fn what_is_printed_fits_the_terminal() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
+    let file = |name: &str| format!("{}/scenarios/{name}", env!("CARGO_MANIFEST_DIR"));
+    let scenario = file("ur5_friction.toml");
+    let made = armtwin(&["simulate", &scenario, "--out", &at(""), "--duration", "16"]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let (fit, check, twin) = (at("fit.csv"), at("check.csv"), file("twins/ur5.toml"));
+    let rrd = at("compare.rrd");
+    let commands: [&[&str]; 7] = [
+        &["inspect", &fit, "--twin", &twin],
+        &["identify", &fit, "--check", &check, "--method", "nlse"],
+        &["identify", &fit, "--check", &check, "--method", "nlse", "--full"],
+        &["diagnose", "--fit", &fit, "--check", &check, "--twin", &twin, "--no-simulation"],
+        &["contacts", &check, "--fit", &fit, "--twin", &twin],
+        &["compare", &check, "--twin", &twin, "-o", &rrd],
+        &["robots"],
+    ];
+    for (arguments, columns) in commands.into_iter().zip([60, 72, 80, 60, 60, 60, 60]) {
+        let run = armtwin_across(columns, arguments);
+        assert_eq!(run.code, 0, "{arguments:?} {}", run.stderr);
+        // A path is one word.
+        let wide = run.stdout.lines().find(|l| l.chars().count() > columns && l.contains(' '));
+        let wide =
+            wide.filter(|l| l.split_whitespace().all(|word| word.chars().count() < columns - 10));
+        assert_eq!(wide, None, "{arguments:?}\n{}", run.stdout);
+    }
 }
 
 #[test]

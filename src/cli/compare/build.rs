@@ -5,7 +5,7 @@ use super::judge::{self, Report, Value};
 use super::summary;
 use crate::cli::progress;
 use crate::cli::stream::Link;
-use crate::effects::{Effect, Parameter};
+use crate::effects::{Effect, Parameter, of_drive};
 use crate::identification::Terms;
 use crate::recording::Recording;
 use crate::resimulation::{closed_loop, command};
@@ -120,14 +120,14 @@ fn while_moving(torque: &JointSeries, samples: &Samples) -> JointSeries {
     })
 }
 
-/// The rotor inertia of the drive and the values of all effects the twin knows.
+/// What the drive holds of effects, and the values of all effects the twin knows.
 fn values(twin: &Twin, fitted: &[&str]) -> Vec<Value> {
-    let rotors = Value {
-        parameter: "rotor_inertia",
-        unit: "kg.m2",
-        fitted: fitted.contains(&"rotor_inertia"),
-        values: twin.drive.rotor_inertia.clone(),
-    };
+    let of_drive = of_drive().map(|(effect, part, _)| Value {
+        parameter: effect.about().parameters[0].name,
+        unit: effect.about().parameters[0].unit,
+        fitted: fitted.contains(&effect.about().name),
+        values: twin.drive.part(part).clone(),
+    });
     let of_effect = |effect: &'static dyn Effect| {
         let about = effect.about();
         about.parameters.iter().map(move |p| (about.name, p))
@@ -138,5 +138,5 @@ fn values(twin: &Twin, fitted: &[&str]) -> Vec<Value> {
         fitted: fitted.contains(&effect),
         values: twin.values.get(p.name).cloned().unwrap_or_default(),
     };
-    std::iter::once(rotors).chain(twin.known().flat_map(of_effect).map(value)).collect()
+    of_drive.chain(twin.known().flat_map(of_effect).map(value)).collect()
 }

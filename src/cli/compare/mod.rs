@@ -3,7 +3,7 @@
 #[cfg(feature = "viewer")]
 mod build;
 #[cfg(feature = "viewer")]
-mod fit;
+pub(super) mod fit;
 #[cfg(feature = "viewer")]
 mod judge;
 #[cfg(feature = "viewer")]
@@ -66,11 +66,17 @@ pub fn run(_: &Args) -> anyhow::Result<()> {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     use anyhow::Context;
 
+    use super::progress::Progress;
     use super::stream::Deliveries;
     use crate::viewer::write_rrd;
 
     let arm = args.arm.load()?;
-    let recording = args.work.read(&args.recording, &arm, args.conditioning.floor_hz())?;
+    let recording = args.work.read(
+        &args.recording,
+        &arm,
+        args.conditioning.floor_hz(),
+        &Progress::default(),
+    )?;
     let twin = &arm.twin;
     let terms = fit::terms(twin, args.arm.twin.is_some())?;
     let how = args.conditioning.conditioning();

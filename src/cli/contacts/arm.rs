@@ -59,7 +59,7 @@ impl Arm {
         }
         let (terms, samples) = (terms?, fit.samples(twin, &how)?);
         let settings = Settings { methods: vec![Method::Nlse], ..Settings::default() };
-        let located = diagnosis::locate(&samples, twin, &terms)?;
+        let located = diagnosis::locate(&samples, twin, &terms, &())?;
         let (around, located) = match located.is_empty() {
             true => (twin.clone(), located),
             false => settle(&samples, twin, &terms, located, &settings.nlse)?,

@@ -12,6 +12,7 @@ use anyhow::Context;
 use self::arm::{Arm, Source};
 use super::conditioning::ConditioningArgs;
 use super::outputs::Output;
+use super::progress::Progress;
 use super::recordings::WorkArgs;
 use super::twin::ArmArgs;
 use super::{progress, save};
@@ -30,15 +31,15 @@ pub struct Args {
     /// Recording to search: file, or folder with one log per signal
     #[arg(required_unless_present = "validate")]
     recording: Option<PathBuf>,
-    /// Another recording of the same arm, free of contacts: what is open in the twin is fitted to it
+    /// A recording of the same arm without contacts; what the twin leaves open is fitted to it [default: the searched one]
     #[arg(long, value_name = "RECORDING")]
     fit: Option<PathBuf>,
-    /// More recordings free of contacts, to learn from what the twin leaves (repeatable)
+    /// More recordings without contacts, which show what the twin leaves; may be repeated [default: none]
     #[arg(long, value_name = "RECORDING")]
     free: Vec<PathBuf>,
     #[command(flatten)]
     arm: ArmArgs,
-    /// What to fit besides, effects by name
+    /// More effects to fit, by name [default: none]
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
     #[command(flatten)]
@@ -46,17 +47,17 @@ pub struct Args {
     /// Column map of the recording of --fit [default: that of --columns]
     #[arg(long, value_name = "MAP.toml")]
     fit_columns: Option<PathBuf>,
-    /// Only the flange can be touched: by a tool, for example
+    /// Look for forces at the flange only, for example on a tool
     #[arg(long)]
     at_flange: bool,
     /// Write the contacts, with their forces over time, as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<Output>,
-    /// Search the recordings of real arms in this folder, and hold what is found against what is
-    /// known of them
+    /// Search the recordings of real arms in this folder, and hold what is found against what is known of
+    /// them [default: RECORDING is searched]
     #[arg(long, value_name = "DIR", conflicts_with_all = ["recording", "fit", "free", "twin", "robot"])]
     validate: Option<PathBuf>,
-    /// Markdown file for --validate to write; left out, standard output
+    /// Markdown file for --validate to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     out: Option<Output>,
     #[command(flatten)]
@@ -73,12 +74,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let read = |path: PathBuf, columns: Option<&PathBuf>| {
         let mut work = args.work.clone();
         work.read.columns = columns.cloned().or(work.read.columns);
-        let recording = work.read(&path, &given, floor_hz)?;
-        anyhow::Ok(Source::of(path, recording))
+        let recording = work.read(&path, &given, floor_hz, &Progress::default())?;
+        anyhow::Ok(Source::of(path, recording.into_owned()))
     };
     let recording = read(path, None)?;
     let fit = args.fit.clone().map(|path| read(path, args.fit_columns.as_ref())).transpose()?;
-    let how = args.conditioning.over(arm::conditioning());
+    let how = args.conditioning.options().over(arm::conditioning());
     let spinner = progress::spinner("fitting the twin and searching for contacts");
     let arm = Arm::fitted(&given.twin, fit.as_ref().unwrap_or(&recording), &args.with, &how)?;
     let free = args.free.iter().map(|path| read(path.clone(), None));

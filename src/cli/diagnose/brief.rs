@@ -1,17 +1,16 @@
 //! A diagnosis on one screen: the answer, where, which causes, how far, what stays, what next.
 
-use super::Diagnosed;
-use super::page::titled;
 use crate::diagnosis::{Cause, Diagnosis, Value, words};
+use crate::numbers::angle;
 use crate::report::diagnosis as rows;
 use crate::report::{paragraph, table, to_uncertainty};
+use crate::text::titled;
+use crate::workflow::{Diagnosed, Recorded};
 
 pub fn page(done: &Diagnosed) -> String {
     let d = &done.diagnosis;
     let seconds = done.seconds;
-    let source = |what: &str, r: &super::load::Recorded| {
-        paragraph(&format!("{what:6} "), &r.recording.provenance.source)
-    };
+    let source = |what: &str, r: &Recorded| paragraph(&format!("{what:6} "), &r.provenance.source);
     findings(d)
         + &source("fit", &done.fit)
         + &source("check", &done.check)
@@ -21,6 +20,7 @@ pub fn page(done: &Diagnosed) -> String {
 
 pub fn findings(d: &Diagnosis) -> String {
     let mut text = format!("{}\n", paragraph("", &words::headline(d)));
+    text += &titled("Somebody pushed", &paragraph("", &words::pushes(d)));
     text += &titled("Where: recorded torque less the twin's, check recording, rms", &joints(d));
     text += &titled("Causes, what takes most off first", &causes(d));
     text += &titled("How far", &how_far(d));
@@ -84,16 +84,10 @@ fn value(v: &Value) -> [String; 4] {
 }
 
 fn how_far(d: &Diagnosis) -> String {
-    let t = &d.shrink.torque;
-    let [share, low, high] = [t.fraction, t.low, t.high].map(words::percent);
-    let torque = format!(
-        "torque {:.2} -> {:.2} N.m on a recording that was not searched: {share} of the mean square \
-         ({low} to {high})",
-        t.before_nm, t.after_nm
-    );
+    let torque = paragraph("torque    ", &words::above_noise(d));
     let simulated = d.shrink.simulation.as_ref().map_or(String::new(), |s| {
-        let [before, after] = [s.before_rad, s.after_rad].map(|rad| 1e3 * rad);
-        format!("; position in simulation {before:.2} -> {after:.2} mrad")
+        let moved = format!("{} -> {} in simulation", angle(s.before_rad), angle(s.after_rad));
+        paragraph("position  ", &moved)
     });
-    paragraph("", &(torque + &simulated))
+    torque + &simulated
 }

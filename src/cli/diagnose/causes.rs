@@ -1,9 +1,9 @@
 //! What the twin lacks, and what was set aside.
 
-use super::page::titled;
 use crate::diagnosis::{Cause, Diagnosis, Value, by_reason, words};
 use crate::report::diagnosis as rows;
 use crate::report::{paragraph, table};
+use crate::text::titled;
 
 pub fn section(causes: &[Cause]) -> String {
     let body: Vec<String> = causes.iter().map(cause).collect();

@@ -1,9 +1,9 @@
 //! The gap by joint and by regime.
 
-use super::page::titled;
 use crate::diagnosis::{Gap, JointGap};
 use crate::report::diagnosis as rows;
 use crate::report::table;
+use crate::text::titled;
 
 pub fn section(gap: &Gap) -> String {
     let joints = table(&rows::GAP, 1, gap.joints.iter().map(rows::gap));
@@ -42,6 +42,6 @@ fn regimes(gap: &Gap) -> String {
     };
     let joints: Vec<String> = gap.joints.iter().map(|j| format!("joint {} ", j.joint)).collect();
     let header: Vec<&str> =
-        std::iter::once("regime, N.m").chain(joints.iter().map(String::as_str)).collect();
+        std::iter::once("motion, N.m").chain(joints.iter().map(String::as_str)).collect();
     table(&header, 1, names.iter().map(row))
 }

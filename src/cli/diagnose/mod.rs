@@ -3,33 +3,27 @@
 mod brief;
 mod causes;
 mod gap;
-mod load;
 mod output;
 mod page;
 mod position;
-mod resimulate;
-#[cfg(feature = "viewer")]
-mod scene;
 #[cfg(test)]
 mod tests;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 
-use self::load::Recorded;
-use super::by::{By, ByArgs};
+use super::by::ByArgs;
 use super::conditioning::ConditioningArgs;
 use super::outputs::{self, Output};
+use super::progress::Progress;
 use super::recordings::WorkArgs;
-use super::twin::{Arm, ArmArgs};
-use super::{out, progress, view};
-use crate::diagnosis::{self, Diagnosis, Settings, Traces, mend};
+use super::twin::ArmArgs;
+use super::{out, save, view};
+use crate::diagnosis::{self, By, Settings};
 use crate::effects;
-use crate::recording::Recording;
-use crate::series::JointSeries;
-use crate::twin::Twin;
+use crate::recording::refuse_same;
+use crate::workflow::{Diagnose, Diagnosed};
 
 /// Say where a twin differs from the arm, which effects it lacks, and how far adding them helps
 ///
@@ -50,7 +44,7 @@ pub struct Args {
     /// Recording to search causes on: file, or folder with one log per signal
     #[arg(long, value_name = "RECORDING")]
     fit: PathBuf,
-    /// Another recording, which decides [default: the second half of the first]
+    /// Another recording, which decides what is a cause [default: the second half of --fit]
     #[arg(long, value_name = "RECORDING")]
     check: Option<PathBuf>,
     #[command(flatten)]
@@ -59,28 +53,28 @@ pub struct Args {
     by: ByArgs,
     #[command(flatten)]
     work: WorkArgs,
-    /// Folder for diagnosis.json, report.html, twin.rrd and twin.toml
+    /// Folder for diagnosis.json, report.html, twin.rrd and twin.toml [default: no files]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Open twin.rrd in the viewer
     #[arg(long, requires = "out")]
     view: bool,
-    /// Effects to take out of the catalogue
+    /// Effects that are not looked for, by name, separated by commas [default: none]
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     without: Vec<String>,
     /// Random seed for the discrepancy's features and for bootstraps
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// How well the twin's link masses are known, relative; 0: exactly [default: 0.05]
+    /// How well the twin's link masses are known, as a share of them; 0: exactly [default: 0.05]
     #[arg(long, value_name = "SHARE")]
     mass_error: Option<f64>,
-    /// How well their centres are known, m [default: 0.005]
+    /// How well the links' centres of mass are known, m [default: 0.005]
     #[arg(long, value_name = "M")]
     centre_error: Option<f64>,
-    /// Do not move the twin again in the simulation
+    /// Skip the simulation that moves both twins again
     #[arg(long)]
     no_simulation: bool,
-    /// Print every table: regimes, all candidates, what was set aside, notes
+    /// Print every table: gaps by kind of motion, all candidates, what was set aside, notes
     #[arg(long)]
     full: bool,
     /// Write everything as JSON
@@ -92,48 +86,30 @@ pub struct Args {
 
 pub(super) use self::output::{FILES, write, written};
 
-/// Both recordings, conditioned as a diagnosis usually has them.
-pub(super) fn conditioned(
-    recordings: [Recording; 2],
-    twin: &Twin,
-) -> anyhow::Result<[Recorded; 2]> {
-    load::condition(recordings, twin, &ConditioningArgs::default())
-}
-
 /// What was found, for people, on one screen.
 pub(super) fn findings(done: &Diagnosed) -> String {
     brief::findings(&done.diagnosis)
 }
 
-/// A diagnosis and all that led to it.
-pub(super) struct Diagnosed {
-    pub twin: Twin,
-    pub mended: Twin,
-    pub settings: Settings,
-    pub fit: Recorded,
-    pub check: Recorded,
-    pub diagnosis: Diagnosis,
-    pub traces: Traces,
-    /// Positions of the twin as given and of the mended one, moved again, rad.
-    #[cfg_attr(not(feature = "viewer"), allow(dead_code))]
-    pub simulated: Vec<JointSeries>,
-    /// Wall-clock, s.
-    pub seconds: f64,
-}
-
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let settings = args.settings()?;
+    let how = args.wanted()?;
     args.out.as_ref().map_or(Ok(()), |out| outputs::ask_in(out, &FILES))?;
-    let mut arm = args.arm.load()?;
-    let mut recordings = args.recordings(&arm)?;
-    let by = args.by.choose(&mut arm.twin, &mut recordings.each_mut()[..])?;
-    let recordings = load::condition(recordings, &arm.twin, &args.conditioning)?;
-    let mut done = diagnose(arm.twin.clone(), recordings, settings, !args.no_simulation)?;
+    let arm = args.arm.load()?;
+    let watch = Progress::default();
+    let read = |path: &Path| args.work.read(path, &arm, args.conditioning.floor_hz(), &watch);
+    let fit = read(&args.fit)?;
+    let check = args.check.as_deref().map(read).transpose()?;
+    check
+        .iter()
+        .try_for_each(|check| refuse_same(&fit, check))
+        .context("--check (leave it out to keep the second half of --fit for that)")?;
+    let mut done = how.on(&arm.twin, fit, check, &watch)?;
+    watch.end();
     let next = &mut done.diagnosis.next_experiment;
     *next = next.replace(diagnosis::TWIN, &args.arm.as_given());
     println!("{}", arm.line());
-    if by == By::Simulation {
-        println!("{}", by.line());
+    if done.diagnosis.by == By::Simulation {
+        println!("{}", By::Simulation.line());
         out::page(&position::page(&done.diagnosis));
     }
     out::page(&if args.full { page::page(&done) } else { brief::page(&done) });
@@ -141,41 +117,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         write(&done, out)?;
         println!("\n{}", written(out));
     }
-    args.json.as_ref().map_or(Ok(()), |path| output::json(&done, path))?;
+    args.json.as_ref().map_or(Ok(()), |path| save::document(path, &done.document()))?;
     match &args.out {
         Some(out) if args.view => view::open(&out.join("twin.rrd")),
         _ => Ok(()),
     }
 }
 
-/// Searches on the first recording, decides on the second, mends the twin and moves both twins
-/// again.
-pub(super) fn diagnose(
-    twin: Twin,
-    [fit, check]: [Recorded; 2],
-    settings: Settings,
-    simulate: bool,
-) -> anyhow::Result<Diagnosed> {
-    let clock = Instant::now();
-    let spinner = progress::spinner("searching for what the twin lacks");
-    let (found, traces) =
-        diagnosis::diagnose_traced(&twin, &fit.samples, &check.samples, &settings)?;
-    let mut mended = mend(&twin, &found.fitted, &found.changes());
-    let mut diagnosis = found;
-    let mut simulated = Vec::new();
-    if simulate {
-        spinner.set_message("moving the twin again in the simulation");
-        simulated = resimulate::add(&mut diagnosis, &twin, &mended, [&fit, &check]);
-        // Servos are fitted once more by simulation.
-        mended = mend(&twin, &diagnosis.fitted, &diagnosis.changes());
-    }
-    spinner.finish_and_clear();
-    let seconds = clock.elapsed().as_secs_f64();
-    Ok(Diagnosed { twin, mended, settings, fit, check, diagnosis, traces, simulated, seconds })
-}
-
 impl Args {
-    fn settings(&self) -> anyhow::Result<Settings> {
+    /// What is asked for.
+    fn wanted(&self) -> anyhow::Result<Diagnose> {
         if let Some(unknown) = self.without.iter().find(|name| effects::find(name).is_none()) {
             bail!("--without {unknown}: no such effect; choose from {}", effects::names());
         }
@@ -186,22 +137,13 @@ impl Args {
             }
         }
         let usual = Settings::default();
-        Ok(Settings {
-            without: self.without.clone(),
-            seed: self.seed,
-            mass_error: self.mass_error.unwrap_or(usual.mass_error),
-            centre_error_m: self.centre_error.unwrap_or(usual.centre_error_m),
-            criteria: usual.criteria,
-        })
-    }
-
-    /// To search on and to decide on.
-    fn recordings(&self, arm: &Arm) -> anyhow::Result<[Recording; 2]> {
-        let read = |path: &Path| self.work.read(path, arm, self.conditioning.floor_hz());
-        let Some(check) = &self.check else { return Ok(read(&self.fit)?.halves()) };
-        load::refuse_same_file(&self.fit, check)?;
-        let both = [read(&self.fit)?, read(check)?];
-        load::refuse_same_samples(&both)?;
-        Ok(both)
+        Ok(Diagnose::default()
+            .without(self.without.clone())
+            .seed(self.seed)
+            .mass_error(self.mass_error.unwrap_or(usual.mass_error))
+            .centre_error_m(self.centre_error.unwrap_or(usual.centre_error_m))
+            .by(self.by.asked())
+            .simulated(!self.no_simulation)
+            .signals(self.conditioning.options()))
     }
 }

@@ -1,10 +1,11 @@
 //! A diagnosis for people: the answer first, then what it rests on.
 
-use super::{Diagnosed, causes, gap};
+use super::{causes, gap};
 use crate::diagnosis::{Diagnosis, Ranked, words};
 use crate::report::diagnosis as rows;
-use crate::report::html::Fact;
 use crate::report::{paragraph, table};
+use crate::text::titled;
+use crate::workflow::Diagnosed;
 
 pub fn page(done: &Diagnosed) -> String {
     findings(&done.diagnosis) + &circumstances(done)
@@ -22,11 +23,6 @@ pub fn findings(d: &Diagnosis) -> String {
     text + &next(d)
 }
 
-/// What is not there is left out.
-pub fn titled(title: &str, body: &str) -> String {
-    if body.trim().is_empty() { String::new() } else { format!("{title}\n{}\n\n", body.trim_end()) }
-}
-
 fn ranking(ranking: &[Ranked]) -> String {
     let (shown, rest) = rows::ranked(ranking);
     let rows = table(&rows::CANDIDATES, 2, shown.into_iter().map(rows::candidate));
@@ -34,14 +30,13 @@ fn ranking(ranking: &[Ranked]) -> String {
         0 => String::new(),
         more => format!("\n{more} more in diagnosis.json"),
     };
-    let legend = "\nnats: evidence beside what else is there, a discrepancy of any shape included";
-    titled("Which effect: candidates", &format!("{rows}{rest}{legend}"))
+    let legend = paragraph("", rows::EVIDENCE);
+    titled("Which effect: candidates", &format!("{rows}{rest}\n{legend}"))
 }
 
 fn shrink(d: &Diagnosis) -> String {
-    let above = words::percent(d.shrink.torque.reducible);
     let mut body = table(&rows::TORQUE, 1, rows::torque(d));
-    body += &format!("\nof what lies above the noise floor: {above}\n");
+    body += &format!("\n{}", paragraph("", &words::above_noise(d)));
     if let Some(s) = &d.shrink.simulation {
         body += &format!("\n{}", table(&rows::SIMULATED, 1, rows::simulated(s)));
     }
@@ -69,35 +64,9 @@ fn circumstances(done: &Diagnosed) -> String {
     let d = &done.diagnosis;
     let seed = done.settings.seed;
     let mut text = format!("armtwin {}  diagnose  seed {seed}  {:.1} s\n", d.armtwin, done.seconds);
-    for (what, said) in facts(done) {
+    for (what, said) in done.facts() {
         text += &paragraph(&format!("  {what:8} "), &said);
     }
     d.notes.iter().for_each(|note| text += &paragraph("  note     ", note));
     text
-}
-
-/// What was diagnosed, and how.
-pub fn facts(done: &Diagnosed) -> Vec<Fact> {
-    let s = &done.settings;
-    let mut facts = vec![("robot".to_string(), done.twin.source.clone())];
-    for (what, r) in [("fit", &done.fit), ("check", &done.check)] {
-        let from = &r.recording.provenance;
-        facts.push((what.into(), format!("{} ({})", from.source, from.format)));
-        let notes = from.notes.iter().chain(&r.samples.notes);
-        facts.extend(notes.map(|note| (String::new(), note.clone())));
-    }
-    let without = match s.without.is_empty() {
-        true => "nothing".into(),
-        false => s.without.join(", "),
-    };
-    facts.push((
-        "settings".into(),
-        format!(
-            "link masses known to {:.0} %, centres to {:.0} mm, taken out of the catalogue: \
-             {without}",
-            100.0 * s.mass_error,
-            1e3 * s.centre_error_m
-        ),
-    ));
-    facts
 }

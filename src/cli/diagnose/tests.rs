@@ -99,6 +99,7 @@ fn by_hand() -> Diagnosis {
                 fraction: 0.9756,
                 low: 0.95,
                 high: 0.98,
+                noise_floor_nm: 0.5,
                 reducible: 0.999,
                 joints: vec![JointShrink {
                     joint: 1,
@@ -146,7 +147,7 @@ fn the_answer_says_what_where_how_sure_and_how_far() {
     changed.unexplained = unexplained(true);
     changed.verdict = Verdict::PartlyExplained;
     let said = words::sentence(&changed);
-    let parts = ["2.81 kg, the twin has 0.140", "0.90 N.m stay", "joint 2, going along with q_2"];
+    let parts = ["2.81 kg, the twin has 0.14", "0.90 N.m stay", "joint 2, going along with q_2"];
     for part in parts {
         assert!(said.contains(part), "no {part:?} in {said}");
     }
@@ -170,7 +171,7 @@ fn everything_found_is_on_the_page() {
         "no temperatures are recorded: temperature_friction (joints 2, 5)",
         "it would be .. errors large, 4 are needed: stribeck (joint 3), lugre (joint 3)",
         "99.9 %",
-        "12.000",
+        "12 mrad",
         "slow plateaus",
         "0.600",
     ];

@@ -2,11 +2,13 @@
 
 use std::fmt::Write as _;
 
-use super::{number, on, range, shows_as};
-use crate::effects::{self, About, CATALOGUE, DriveKind, Effect, Motion, Scope, Seen};
+use super::example::example;
+use super::typical::{bare, typical};
+use super::words::{by_hand, comes_back, number, on, range, shows_as};
+use crate::effects::{About, CATALOGUE, DriveKind, Effect, Motion, Scope, Seen};
 use crate::export::{Target, export};
 use crate::robot::gravity_torque;
-use crate::robot::{Servo, Workspace, inverse_dynamics_series};
+use crate::robot::{Workspace, inverse_dynamics_series};
 use crate::series::JointSeries;
 use crate::twin::Twin;
 
@@ -21,7 +23,9 @@ pub fn chapter() -> String {
          supply on top of the rigid body, N.m. *Looks like* is worked out at typical values on a \
          motion of 30 s of the built-in UR5 (sines of every joint, slow and fast): how large, on \
          which joint most, and how much of it (R2) goes with a single quantity of that joint. \
-         `scenarios/effects/NAME.toml` hides each in a simulated arm.\n",
+         `scenarios/effects/NAME.toml` hides each in a simulated arm; *Comes back* is what is found of it \
+         there. *By hand* is a number that the code is held against. The last table shows what is \
+         recorded of joint 2, before and after the effect, as all joints turn around once.\n",
     );
     let motion = Sines::new();
     for effect in CATALOGUE {
@@ -43,13 +47,28 @@ fn section(effect: &dyn Effect, motion: &Sines) -> String {
         held(about, Target::Urdf)
     );
     let _ = writeln!(text, "* **Source**: {}.", about.source);
+    let proofs = [("By hand", by_hand(effect)), ("Comes back", comes_back(effect))];
+    for (label, proof) in proofs.into_iter().filter_map(|(label, p)| Some((label, p?))) {
+        let _ = writeln!(text, "* **{label}**: {proof}.");
+    }
     text += "\n| parameter | symbol | unit | range | typical |\n|---|---|---|---|---|\n";
     for p in about.parameters.iter().filter(|p| !p.is_reference()) {
         let (range, typical) = (range(p), number(p.typical));
         let _ =
             writeln!(text, "| `{}` | {} | {} | {range} | {typical} |", p.name, p.symbol, p.unit);
     }
+    text += &before_and_after(effect);
     text
+}
+
+/// The example, as a table.
+fn before_and_after(effect: &dyn Effect) -> String {
+    let Some(example) = example(effect) else { return String::new() };
+    let rows = example.rows();
+    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let rule = vec!["---".to_string(); rows[0].len()];
+    let text: String = rows[1..].iter().map(|row| line(row)).collect();
+    format!("\n{}{}{text}", line(&rows[0]), line(&rule))
 }
 
 fn on_what(about: &About) -> &'static str {
@@ -57,27 +76,6 @@ fn on_what(about: &About) -> &'static str {
         Scope::Link => "each link, felt by all joints",
         _ => on(about),
     }
-}
-
-/// A UR5 without effects, its motors position servos where the effect is about such.
-fn bare(about: &About) -> Twin {
-    let mut twin = Twin { effects: Vec::new(), ..Twin::default() };
-    let of_servos = effects::find(about.name).is_some_and(|e| e.of_drive() == DriveKind::Servo);
-    twin.drive.servo = of_servos.then(|| Servo::new(vec![GAIN; twin.robot.dof()]));
-    twin
-}
-
-/// N.m/rad, any will do.
-const GAIN: f64 = 1000.0;
-
-/// A UR5 that has this effect alone, at typical values.
-fn typical(about: &About) -> Twin {
-    let mut twin = Twin { effects: vec![about.name.into()], ..bare(about) };
-    let count = if about.scope == Scope::Arm { 1 } else { twin.robot.dof() };
-    for p in about.parameters.iter().filter(|p| !p.is_reference()) {
-        twin.values.insert(p.name.into(), vec![p.typical; count]);
-    }
-    twin
 }
 
 fn held(about: &About, target: Target) -> &'static str {

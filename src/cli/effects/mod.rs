@@ -1,12 +1,17 @@
 //! `armtwin effects [NAME]`: the catalogue.
 
+mod example;
 mod guide;
+mod typical;
+mod words;
 
 use std::fmt::Write as _;
 
+use self::example::{example, rounded};
+use self::words::{by_hand, comes_back, enters, number, on, range, shows_as};
 use super::outputs::Output;
 use super::{out, save};
-use crate::effects::{About, CATALOGUE, Parameter, Role, Scope, Seen, find, names};
+use crate::effects::{About, CATALOGUE, Effect, Parameter, find, names};
 use crate::files;
 use crate::report::{paragraph, table};
 
@@ -33,7 +38,7 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let all = || CATALOGUE.iter().map(|e| e.about());
     if args.guide {
-        print!("{}", guide::chapter());
+        out::document(&guide::chapter());
         return Ok(());
     }
     let (effect, json) = args.asked();
@@ -67,12 +72,19 @@ fn about(name: &str) -> Result<&'static About, String> {
 fn overview(all: impl Iterator<Item = &'static About> + Clone) -> String {
     let header = ["effect", "parameter", "symbol", "unit", "enters", "range", "typical"];
     let rows = all.clone().flat_map(|about| about.parameters.iter().map(move |p| row(about, p)));
-    let causes = all.map(|about| vec![about.name.into(), about.law.into(), on(about).into()]);
+    let causes =
+        all.clone().map(|about| vec![about.name.into(), about.law.into(), on(about).into()]);
     format!(
-        "{}\n\n{}\n\nTorque the drive must supply on top of the rigid body, N.m; typical for a joint \
+        "{}\n\n{}\n\nJoint 2 of a UR5 turns around; recorded before and after the effect came, on the way \
+         out and back\n\n{}\n\nTorque the drive must supply on top of the rigid body, N.m; typical for a joint \
          of a UR5.\nCause, remedy and source of one effect: armtwin effects NAME",
         table(&header, 5, rows),
-        table(&["effect", "law", "acts on"], 3, causes)
+        table(&["effect", "law", "acts on"], 3, causes),
+        table(
+            &["effect", "channel", "out", "after", "back", "after"],
+            2,
+            all.filter_map(out_and_back)
+        )
     )
 }
 
@@ -81,16 +93,27 @@ fn row(about: &About, p: &Parameter) -> Vec<String> {
     [texts.to_vec(), vec![range(p), number(p.typical)]].concat()
 }
 
+/// The example at an instant on the way out and at one on the way back.
+fn out_and_back(about: &'static About) -> Option<Vec<String>> {
+    let example = example(find(about.name)?)?;
+    let two = |x: &[f64]| [x.get(1), x.last()].map(|x| x.map_or("-".into(), |x| rounded(*x, 3)));
+    let ([out, back], [out_after, back_after]) = (two(&example.before), two(&example.after));
+    Some(vec![about.name.into(), example.channel.into(), out, out_after, back, back_after])
+}
+
 fn details(about: &About) -> String {
     let mut text = format!("{}  ({})\n\n  {}\n\n", about.name, on(about), about.law);
-    let seen = find(about.name).map_or("", |e| shows_as(e.seen()));
+    let effect = find(about.name);
+    let said = |what: fn(&dyn Effect) -> Option<String>| effect.and_then(what).unwrap_or_default();
     for (label, what) in [
-        ("shows", seen),
-        ("cause", about.cause),
-        ("remedy", about.remedy),
-        ("source", about.source),
+        ("shows", said(|e| Some(shows_as(e.seen()).into()))),
+        ("cause", about.cause.into()),
+        ("remedy", about.remedy.into()),
+        ("source", about.source.into()),
+        ("by hand", said(by_hand)),
+        ("back", said(comes_back)),
     ] {
-        text += &paragraph(&format!("  {label:<8}"), what);
+        text += &paragraph(&format!("  {label:<8}"), &what);
     }
     let header = ["parameter", "symbol", "unit", "enters", "sign", "range", "typical", "absent at"];
     let rows = about.parameters.iter().map(|p| {
@@ -98,7 +121,14 @@ fn details(about: &About) -> String {
         let texts = [p.name, p.symbol, p.unit, enters(p), sign(p)].map(String::from);
         [texts.to_vec(), vec![range(p), number(p.typical), absent]].concat()
     });
-    let _ = write!(text, "\n{}\n\n{}", table(&header, 5, rows), examples(about));
+    let _ = write!(text, "\n{}\n\n", table(&header, 5, rows));
+    if let Some(example) = effect.and_then(example) {
+        let mut rows = example.rows().into_iter();
+        let header = rows.next().unwrap_or_default();
+        let header: Vec<&str> = header.iter().map(String::as_str).collect();
+        let _ = write!(text, "Joint 2 of a UR5 turns around:\n{}\n\n", table(&header, 1, rows));
+    }
+    text += &examples(about);
     text
 }
 
@@ -116,41 +146,6 @@ fn examples(about: &About) -> String {
     )
 }
 
-fn shows_as(seen: Seen) -> &'static str {
-    match seen {
-        Seen::Columns => "as torque, in the recorded motion through inverse dynamics",
-        Seen::Channels => "as torque and motion that do not belong together in time",
-        Seen::Simulation => {
-            "only where the recorded command is simulated again: recorded motion and torque agree"
-        }
-    }
-}
-
-fn on(about: &About) -> &'static str {
-    match about.scope {
-        Scope::Joint => "each joint",
-        Scope::Link => "each, felt by all",
-        Scope::Arm => "the whole arm",
-    }
-}
-
-fn enters(p: &Parameter) -> &'static str {
-    match p.role {
-        Role::Linear => "linear",
-        Role::Nonlinear => "nonlinear",
-    }
-}
-
 fn sign(p: &Parameter) -> &'static str {
     if p.min < 0.0 { "either" } else { "not negative" }
-}
-
-/// Large and small numbers by powers of ten.
-fn number(x: f64) -> String {
-    let plain = x == 0.0 || x.is_infinite() || (1e-3..1e5).contains(&x.abs());
-    if plain { x.to_string() } else { format!("{x:e}") }
-}
-
-fn range(p: &Parameter) -> String {
-    format!("{} to {}", number(p.min), number(p.max))
 }

@@ -1,32 +1,35 @@
 //! An identification on one screen: values with intervals, how well they fit, what was found.
 
-use super::{Report, links, preferred, print, scale};
-use crate::identification::{self, JointEstimate, MethodResult, ParameterEstimate};
+use super::{Report, links, print, scale};
+use crate::identification::{self, JointEstimate, MethodResult, ParameterEstimate, Standing};
 use crate::report::{table, to_uncertainty};
+use crate::workflow::words;
 
 pub fn print(report: &Report<'_>) {
-    let what = [Some(report.fit), report.check].into_iter().flatten().zip(["fit", "check"]);
-    for (loaded, what) in what {
-        println!("{what:8} {}", loaded.recording.provenance.source);
-        loaded.recording.provenance.notes.iter().for_each(|note| println!("         {note}"));
+    let what =
+        [Some(&report.fit), report.check.as_ref()].into_iter().flatten().zip(["fit", "check"]);
+    for (used, what) in what {
+        println!("{what:8} {}", used.provenance.source);
+        used.provenance.notes.iter().for_each(|note| println!("         {note}"));
     }
-    print::searched(report.located).iter().for_each(|line| println!("searched {line}"));
-    report.scaled.iter().for_each(|scaled| scale::print(scaled));
-    let Some(result) = preferred(report.results) else { return };
+    print::searched(&report.located).iter().for_each(|line| println!("searched {line}"));
+    report.scaled.iter().for_each(scale::print);
+    let Some(result) = report.preferred() else { return };
     println!(
-        "\nValues by {}, +- half the width of the 99 % interval",
+        "\nValues by {}, +- half the width of the 99 % interval; (0?): the interval holds zero, the \
+         parameter may be absent",
         result.method.to_uppercase()
     );
     println!("{}", values(result));
-    println!("\n{}", agreement(report.results));
+    println!("\n{}", agreement(&report.results));
     result.arm.iter().for_each(|p| println!("arm: {} {}", p.name, with_unit(p)));
     report.links_spread.iter().for_each(|spread| print::payload_note(*spread));
     report.dropped.iter().filter(|d| !d.is_empty()).for_each(|dropped| {
         println!("\nNot shown by these data and left out:");
-        print::dropped(dropped).iter().for_each(|line| println!("  {line}"));
+        words::dropped(dropped).iter().for_each(|line| println!("  {line}"));
     });
     print::reasons(result);
-    report.rigid_body.iter().for_each(|body| links::print(body));
+    report.rigid_body.iter().for_each(links::print);
     println!("\nWhat {} found", result.method);
     identification::verdict(result).iter().for_each(|line| println!("  {line}"));
     let (version, seed) = (env!("CARGO_PKG_VERSION"), report.settings.seed);
@@ -59,22 +62,26 @@ fn values(result: &MethodResult) -> String {
     let more = [
         quality("torque left, fit", "N.m", &|j| Some(left(j.fit.mse_nm2))),
         quality("torque left, check", "N.m", &|j| j.check.map(|c| left(c.mse_nm2))),
-        quality("R2, fit", "-", &|j| Some(format!("{:.4}", j.fit.r2))),
-        quality("R2, check", "-", &|j| j.check.map(|c| format!("{:.4}", c.r2))),
+        quality("share explained, fit", "R2", &|j| Some(format!("{:.4}", j.fit.r2))),
+        quality("share explained, check", "R2", &|j| j.check.map(|c| format!("{:.4}", c.r2))),
     ];
     table(&header, 2, names.iter().map(row).chain(more.into_iter().flatten()))
 }
 
-/// `6.21 +-0.05`, `not told`
+/// `6.21 +-0.05`, `not determined`
 fn cell(p: &ParameterEstimate) -> String {
     if !p.identifiable {
-        return "not told".into();
+        return "not determined".into();
     }
     let [value, _, _] = to_uncertainty(p.value, p.low, p.high);
     let digits = value.split_once('.').map_or(0, |(_, fraction)| fraction.len());
     let half = (p.high - p.value).max(p.value - p.low);
-    let bound = if p.at_bound { " at bound" } else { "" };
-    format!("{value} +-{half:.digits$}{bound}")
+    let remark = match (identification::standing(p), p.at_bound) {
+        (_, true) => " at bound",
+        (Standing::MayBeZero, _) => " (0?)",
+        _ => "",
+    };
+    format!("{value} +-{half:.digits$}{remark}")
 }
 
 fn with_unit(p: &ParameterEstimate) -> String {

@@ -1,7 +1,7 @@
 //! Links, base parameters and what torque they leave, for people.
 
-use super::inertia::{BaseRow, Left, Link, Summary, Value};
 use crate::report::{table, to_uncertainty};
+use crate::workflow::{BaseRow, Left, Link, LinkValue, Summary};
 
 pub fn print(body: &Summary) {
     println!(
@@ -61,7 +61,7 @@ fn base_cells(row: &BaseRow) -> Vec<String> {
 }
 
 fn link_cells(link: &Link) -> Vec<String> {
-    let Value { value, low, high, model } = link.mass_kg;
+    let LinkValue { value, low, high, model } = link.mass_kg;
     let [value, low, high] = to_uncertainty(value, low, high);
     let point = |p: &[f64; 3]| format!("{:.3} {:.3} {:.3}", p[0], p[1], p[2]);
     let centre = format!("{} ({})", point(&link.centre_m), point(&link.centre_model_m));
@@ -81,20 +81,4 @@ fn torque_cells(left: &Left) -> Vec<Vec<String>> {
         row("", "least squares, bounded", &left.least_squares_nm),
         row("", "possible links", &left.links_nm),
     ]
-}
-
-/// Link by link, in words.
-pub fn lines(body: &Summary) -> Vec<String> {
-    let link = |l: &Link| {
-        let Value { value, low, high, model } = l.mass_kg;
-        let [value, low, high] = to_uncertainty(value, low, high);
-        format!("{}: {value} kg ({low} to {high}; the model has {model:.3})", l.link)
-    };
-    let told = format!(
-        "rigid body: {} of {} base parameters are told; links {:.1} % from the model's are called for",
-        body.told,
-        body.rank,
-        100.0 * body.spread
-    );
-    std::iter::once(told).chain(body.links.iter().map(link)).chain(body.notes.clone()).collect()
 }

@@ -1,36 +1,31 @@
 //! `armtwin identify`: friction and what goes with it, with tests and intervals.
 
 mod brief;
-mod inertia;
-mod json;
 mod links;
-mod page;
 mod print;
 mod scale;
-mod simulated;
+mod servos;
 
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use inertia::Summary;
-use scale::{LoadArgs, Scaled};
+use scale::LoadArgs;
 
-use super::by::{By, ByArgs};
+use super::by::ByArgs;
 use super::conditioning::ConditioningArgs;
 use super::outputs::Output;
+use super::progress::Progress;
 use super::recordings::WorkArgs;
-use super::twin::{Arm, ArmArgs};
-use super::{progress, save};
-use crate::diagnosis;
-use crate::identification::{
-    self, ArmProblem, BoundsByName, Dropped, IdentificationError, Inertial, LinkFit, Located,
-    Method, MethodResult, Search, Settings, Terms, assemble_around,
-};
-use crate::recording::Recording;
+use super::save;
+use super::twin::ArmArgs;
+use crate::diagnosis::By;
+use crate::identification::{IdentificationError, Method, Search};
+use crate::recording::refuse_same;
 use crate::robot::urdf::{self, Chain};
-use crate::signals::{Conditioning, Samples, condition};
 use crate::twin::Twin;
+use crate::workflow::{INERTIA, Identified, Identify, Prepared};
 
 /// Identify friction, rotor inertia and payload from a recording, with tests and intervals
 ///
@@ -54,7 +49,7 @@ pub struct Args {
     /// Recording to fit: file, or folder with one log per signal; several where servos are simulated
     #[arg(value_name = "RECORDING", required = true)]
     recordings: Vec<PathBuf>,
-    /// Another recording, which the fit is held against (repeatable where servos are simulated)
+    /// Another recording, which the fit is tested on but not fitted to (repeatable where servos are simulated) [default: none]
     #[arg(long, value_name = "RECORDING")]
     check: Vec<PathBuf>,
     #[command(flatten)]
@@ -66,37 +61,37 @@ pub struct Args {
     method: Vec<MethodArg>,
     #[command(flatten)]
     work: WorkArgs,
-    /// What to fit, effects by name; `paper` is Eq. 1 (see `armtwin effects`)
+    /// Effects to fit, by name; `paper` is the friction law of Eq. 1 [default: see above]
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     terms: Vec<String>,
-    /// What to fit besides; `inertia` are the inertial parameters of all links
+    /// More effects to fit, by name; `inertia` is the inertia of all links [default: none]
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
-    /// Drop, one by one, the terms whose existence the robust test does not show, and fit the rest
+    /// Leave out, one by one, the terms that the data do not show, and fit the rest again
     #[arg(long)]
     reduce: bool,
-    /// Search bounds of a parameter, all joints (repeatable)
+    /// Bounds within which a parameter is searched at all joints; may be repeated [default: those of `armtwin effects`]
     #[arg(long, value_name = "NAME=MIN:MAX", value_parser = bound, allow_hyphen_values = true)]
     bounds: Vec<(String, [f64; 2])>,
-    /// Seed of the swarm and of the Markov chains
+    /// Random seed for the swarm and the Markov chains
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// How the swarm's cost is evaluated: the same number, a thousand times apart in speed
+    /// How the swarm's cost is computed: both give the same number, the first a thousand times faster
     #[arg(long, value_enum, default_value = "quadratic")]
     cost: CostArg,
     /// Write everything as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<Output>,
-    /// Write a report with pictures, for any browser
+    /// Write a report with pictures, for any browser [default: not written]
     #[arg(long, value_name = "FILE.html")]
     report: Option<Output>,
-    /// Write the twin with the fitted values (NLSE's where both ran)
+    /// Write the twin with the fitted values, those of NLSE where it ran [default: not written]
     #[arg(long, value_name = "FILE")]
     save_twin: Option<Output>,
-    /// With inertia: write the arm with the links found
+    /// With --with inertia: write the arm with the links that were found [default: not written]
     #[arg(long, value_name = "FILE.urdf")]
     save_urdf: Option<Output>,
-    /// With inertia: mass of all moving links where it is known, kg
+    /// With --with inertia: mass of all moving links together, kg [default: not known]
     #[arg(long, value_name = "KG", allow_hyphen_values = true)]
     total_mass: Option<f64>,
     /// Print every table: tests, other intervals, searches, all methods
@@ -139,110 +134,47 @@ fn bound(text: &str) -> Result<(String, [f64; 2]), String> {
 /// All that stands in the outputs.
 pub(super) struct Report<'a> {
     pub args: &'a Args,
-    pub twin: &'a Twin,
-    /// The twin with the nonlinear parameters that were searched for.
-    pub around: &'a Twin,
-    pub located: &'a [Located],
-    pub terms: &'a Terms,
-    pub settings: &'a Settings,
-    pub conditioning: &'a Conditioning,
-    pub fit: &'a Loaded,
-    pub check: Option<&'a Loaded>,
-    /// With `--reduce`, the terms that were taken out.
-    pub dropped: Option<&'a [Dropped]>,
-    pub results: &'a [MethodResult],
-    /// With a loaded run.
-    pub scaled: Option<&'a Scaled>,
-    /// With a payload: how far links may be from the model's, as a share of a mass.
-    pub links_spread: Option<f64>,
-    /// With `inertia`.
-    pub rigid_body: Option<&'a Summary>,
+    pub done: Identified,
 }
 
-/// A recording and what became of it.
-pub(super) struct Loaded {
-    pub recording: Recording,
-    pub samples: Samples,
-    pub problem: ArmProblem,
+impl Deref for Report<'_> {
+    type Target = Identified;
+
+    fn deref(&self) -> &Identified {
+        &self.done
+    }
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     args.check_inertia()?;
-    for check in &args.check {
-        refuse_same_file(&args.recordings[0], check)?;
-    }
+    let how = args.wanted();
+    how.check()?;
     let mut arm = args.arm.load()?;
-    if let Some(told) = args.told(&mut arm)? {
-        return simulated::run(args, &arm, told);
+    arm.scaled = args.load.given().is_none();
+    how.terms_for(&arm)?;
+    let watch = Progress::default();
+    let given = arm.clone();
+    let read = |path: &Path| args.work.read(path, &given, args.conditioning.floor_hz(), &watch);
+    let all = |paths: &[PathBuf]| paths.iter().map(|p| read(p)).collect::<anyhow::Result<Vec<_>>>();
+    let (mut fit, mut check) = (all(&args.recordings)?, all(&args.check)?);
+    let every: Vec<&Prepared<'_>> = fit.iter().chain(&check).collect();
+    let by = how.method(&mut arm.twin, &every)?;
+    if by == By::Simulation {
+        servos::refuse_flags(args)?;
+        let found = how.servos(&arm, fit, check, &watch)?;
+        watch.end();
+        return servos::run(args, &arm, &found);
     }
-    arm.scaled = !args.load.is_given();
-    let terms = args.terms(&arm.twin)?;
-    let conditioning = args.conditioning.conditioning();
-    let fit = args.read(&args.recordings[0], &arm, &conditioning)?;
-    let scaled = args.scaled(&arm, &terms, &fit, &conditioning)?;
-    scaled.iter().for_each(|s| arm.twin.clone_from(&s.twin));
-    let read = |path: &Path| args.read(path, &arm, &conditioning);
-    let fit = if scaled.is_some() { read(&args.recordings[0])? } else { fit };
-    let check = args.check.first().map(|path| read(path)).transpose()?;
-    let settings = args.settings();
-    let twin = arm.twin.clone();
-    let (around, located) = locate(&fit.1, &twin, &terms, &settings)?;
-    let assembled = |read| args.assembled(read, &around, &terms, &located);
-    let mut fit = assembled(fit)?;
-    let mut check = check.map(assembled).transpose()?;
-    if let Some(check) = &check {
-        refuse_same_samples(&fit.recording, &check.recording)?;
-    }
-    let mut inertial = args.asks_for_inertia().then(|| Inertial::of(&around, &terms));
-    if let Some(inertial) = &mut inertial {
-        for Loaded { problem, samples, .. } in std::iter::once(&mut fit).chain(&mut check) {
-            inertial.attach(problem, samples, &around)?;
-        }
-    }
-    let dropped =
-        if args.reduce { Some(reduce(&mut fit, check.as_mut(), &settings)?) } else { None };
-    let joints = fit.problem.joints.len() * settings.methods.len();
-    let bar = progress::counting("fitting joint", joints as u64);
-    let against = check.as_ref().map(|c| &c.problem);
-    let mut results =
-        identification::identify_telling(&fit.problem, against, &settings, &|| bar.inc(1))?;
-    bar.finish_and_clear();
-    let link_fit = LinkFit {
-        twin: &around,
-        terms: &terms,
-        located: &located,
-        bounds: &args.bounds(),
-        settings: &settings,
-        total_mass: args.total_mass,
-        fit: &fit.samples,
-        check: check.as_ref().map(|c| &c.samples),
-    };
-    let body = |inertial: &Inertial| -> anyhow::Result<Summary> {
-        let dropped = dropped.as_deref().unwrap_or_default();
-        let found = link_fit.rigid_body(inertial, &fit.problem, &mut results, dropped)?;
-        let recordings = [Some(&fit.recording), check.as_ref().map(|c| &c.recording)];
-        Ok(inertia::summary(found, inertial, &around.robot, &results, recordings))
-    };
-    let rigid_body = inertial.as_ref().map(body).transpose()?;
-    let (problem, samples) = (&fit.problem, &fit.samples);
-    let links_spread =
-        identification::payload_beside_links(problem, samples, &around, &terms, &mut results)?;
-    let report = Report {
-        args,
-        twin: &twin,
-        around: &around,
-        located: &located,
-        terms: &terms,
-        settings: &settings,
-        conditioning: &conditioning,
-        fit: &fit,
-        check: check.as_ref(),
-        dropped: dropped.as_deref(),
-        results: &results,
-        scaled: scaled.as_ref(),
-        links_spread,
-        rigid_body: rigid_body.as_ref(),
-    };
+    let (fit, check) = (args.only(&mut fit)?, args.only(&mut check).ok());
+    check.iter().try_for_each(|check| refuse_same(&fit, check)).context("--check")?;
+    let loaded = args.load.given().map(|(path, load)| -> anyhow::Result<_> {
+        let loaded: Prepared<'_> = read(path)?;
+        refuse_same(&fit, &loaded).context("--loaded")?;
+        Ok((loaded, load))
+    });
+    let done = how.on(&arm, fit, check, loaded.transpose()?, &watch)?;
+    watch.end();
+    let report = Report { args, done };
     println!("{}", arm.line());
     if args.full {
         print::print(&report)
@@ -255,12 +187,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 fn write(report: &Report<'_>) -> anyhow::Result<()> {
     let args = report.args;
     if let Some(path) = &args.json {
-        json::write(report, path)?;
+        save::document(path, &report.document())?;
     }
     if let Some(path) = &args.report {
-        page::write(report, path)?;
+        save::text(path, &report.html()?)?;
     }
-    if let (Some(path), Some(body)) = (&args.save_urdf, report.rigid_body) {
+    if let (Some(path), Some(body)) = (&args.save_urdf, &report.rigid_body) {
         save::text(path, &urdf::write(&body.found.twin.robot))?;
         println!("\nLinks: {}", path.display());
     }
@@ -271,131 +203,56 @@ fn write(report: &Report<'_>) -> anyhow::Result<()> {
 }
 
 impl Args {
-    /// The first recording where position servos are to be simulated along it.
-    fn told(&self, arm: &mut Arm) -> anyhow::Result<Option<Recording>> {
-        let mut by = By::Torque;
-        let mut told = None;
-        if arm.twin.drive.servo.is_some() || self.by.forced() == Some(By::Simulation) {
-            let floor_hz = self.conditioning.floor_hz();
-            let mut first = self.work.read(&self.recordings[0], arm, floor_hz)?;
-            by = self.by.choose(&mut arm.twin, &mut [&mut first])?;
-            told = Some(first);
-        }
-        if by == By::Torque && self.recordings.len().max(self.check.len()) > 1 {
+    /// The only recording.
+    fn only<'a>(&self, recordings: &mut Vec<Prepared<'a>>) -> anyhow::Result<Prepared<'a>> {
+        if recordings.len() > 1 {
             bail!(
-                "one recording is fitted, and one checked, where torque is recorded: name one of each"
+                "{} recordings are named: give one, and one to --check; several at once are fitted where \
+                 servos are simulated (--by simulation)",
+                recordings.len()
             );
         }
-        Ok(told.filter(|_| by == By::Simulation))
+        recordings.pop().context("name a recording")
     }
 
-    fn terms(&self, twin: &Twin) -> Result<Terms, IdentificationError> {
-        let effects = |names: &[String]| -> Vec<String> {
-            names.iter().filter(|name| *name != inertia::NAME).cloned().collect()
-        };
-        let (terms, with) = (effects(&self.terms), effects(&self.with));
-        let more = with.iter().map(String::as_str);
-        match (&terms[..], &self.arm.twin) {
-            ([], None) => Terms::named(Terms::usual()?.names().into_iter().chain(more)),
-            ([], Some(_)) => Terms::of_twin(twin, &with),
-            (given, _) => Terms::named(given.iter().map(String::as_str).chain(more)),
-        }
-    }
-
-    fn read(
-        &self,
-        path: &Path,
-        arm: &Arm,
-        how: &Conditioning,
-    ) -> anyhow::Result<(Recording, Samples)> {
-        let recording = self.work.read(path, arm, self.conditioning.floor_hz())?;
-        let twin = &arm.twin;
-        let name = || path.display().to_string();
-        let samples =
-            condition(&recording, &twin.drive, twin.robot.dof(), how).with_context(name)?;
-        Ok((recording, samples))
-    }
-
-    fn assembled(
-        &self,
-        (recording, samples): (Recording, Samples),
-        around: &Twin,
-        terms: &Terms,
-        located: &[Located],
-    ) -> anyhow::Result<Loaded> {
-        let problem = assemble_around(&samples, around, terms, &self.bounds(), located)
-            .with_context(|| recording.provenance.source.clone())?;
-        Ok(Loaded { recording, samples, problem })
-    }
-
-    fn bounds(&self) -> BoundsByName {
-        self.bounds.iter().cloned().collect()
-    }
-
-    fn settings(&self) -> Settings {
-        let mut methods: Vec<Method> = Vec::new();
-        for method in &self.method {
-            let method = match method {
-                MethodArg::Pso => Method::Pso,
-                MethodArg::Nlse => Method::Nlse,
-                MethodArg::Mcmc => Method::Mcmc,
-            };
-            if !methods.contains(&method) {
-                methods.push(method);
-            }
-        }
-        let pso_cost = match self.cost {
+    /// What is asked for.
+    fn wanted(&self) -> Identify {
+        let methods = self.method.iter().map(|method| match method {
+            MethodArg::Pso => Method::Pso,
+            MethodArg::Nlse => Method::Nlse,
+            MethodArg::Mcmc => Method::Mcmc,
+        });
+        let cost = match self.cost {
             CostArg::Quadratic => Search::Quadratic,
             CostArg::Direct => Search::Direct,
         };
-        Settings { methods, seed: self.seed, pso_cost, ..Settings::default() }
+        let wanted = Identify { bounds: self.bounds.clone(), ..Identify::default() };
+        wanted
+            .terms(self.terms.clone())
+            .with(self.with.clone())
+            .methods(methods)
+            .cost(cost)
+            .seed(self.seed)
+            .reduce(self.reduce)
+            .total_mass(self.total_mass)
+            .by(self.by.asked())
+            .signals(self.conditioning.options())
     }
-}
 
-/// The twin with nonlinear parameters of what is to be fitted, found as a diagnosis finds them.
-fn locate(
-    samples: &Samples,
-    twin: &Twin,
-    terms: &Terms,
-    settings: &Settings,
-) -> anyhow::Result<(Twin, Vec<Located>)> {
-    let located = diagnosis::locate(samples, twin, terms)?;
-    if located.is_empty() {
-        return Ok((twin.clone(), located));
+    /// Where the links that are found go makes sense with them alone.
+    fn check_inertia(&self) -> anyhow::Result<()> {
+        let asked = self.wanted().asks_for_inertia();
+        if !asked && (self.save_urdf.is_some() || self.total_mass.is_some()) {
+            bail!("--save-urdf and --total-mass are of the links: add --with {INERTIA}");
+        }
+        if let Some(mass) = self.total_mass.filter(|m| !(*m > 0.0 && m.is_finite())) {
+            bail!("--total-mass {mass}: give the mass of all moving links, kg");
+        }
+        if asked && self.save_twin.is_some() && self.save_urdf.is_none() {
+            bail!("--save-twin with {INERTIA} refers to the links found: add --save-urdf FILE");
+        }
+        Ok(())
     }
-    Ok(identification::settle(samples, twin, terms, located, &settings.nlse)?)
-}
-
-fn reduce(
-    fit: &mut Loaded,
-    check: Option<&mut Loaded>,
-    settings: &Settings,
-) -> Result<Vec<Dropped>, IdentificationError> {
-    let check = check.map(|c| &mut c.problem);
-    identification::reduce(&mut fit.problem, check, &settings.nlse)
-}
-
-fn refuse_same_file(fit: &Path, check: &Path) -> anyhow::Result<()> {
-    if let (Ok(a), Ok(b)) = (fit.canonicalize(), check.canonicalize())
-        && a == b
-    {
-        bail!(
-            "--check {}: is the recording the fit is made on; a check needs another recording",
-            check.display()
-        );
-    }
-    Ok(())
-}
-
-fn refuse_same_samples(fit: &Recording, check: &Recording) -> anyhow::Result<()> {
-    if fit.time == check.time && fit.channels == check.channels {
-        bail!(
-            "--check {}: holds the same samples as {}; a check needs another recording",
-            check.provenance.source,
-            fit.provenance.source
-        );
-    }
-    Ok(())
 }
 
 fn save_twin(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
@@ -405,28 +262,17 @@ fn save_twin(report: &Report<'_>, path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Least squares where it was asked for, else what was asked for first.
-fn preferred(results: &[MethodResult]) -> Option<&MethodResult> {
-    results.iter().find(|r| r.method == Method::Nlse.name()).or(results.first())
-}
-
-/// The twin with the values found, and by which method.
-fn fitted<'a>(report: &Report<'a>) -> Result<Option<(Twin, &'a str)>, IdentificationError> {
-    if let Some(Summary { found, .. }) = report.rigid_body {
-        let (problem, result) = (&found.problem, &found.fitted);
-        let mut twin = identification::fitted_twin(&found.twin, report.terms, problem, result)?;
-        if let Some(urdf) = &report.args.save_urdf {
-            // The arm alone, as it is written there.
-            twin.source = std::path::absolute(urdf)
-                .unwrap_or_else(|_| urdf.to_path_buf())
-                .display()
-                .to_string();
-            (twin.chain, twin.notes) = (Chain::default(), Vec::new());
-        }
-        return Ok(Some((twin, &found.fitted.method)));
-    }
-    let Some(result) = preferred(report.results) else { return Ok(None) };
-    let fitted =
-        identification::fitted_twin(report.around, report.terms, &report.fit.problem, result)?;
-    Ok(Some((fitted, &result.method)))
+/// The twin with the values found, and by which method; its links are those that are written beside it.
+fn fitted<'a>(report: &'a Report<'_>) -> Result<Option<(Twin, &'a str)>, IdentificationError> {
+    let found = report.fitted()?;
+    let Some(urdf) = report.args.save_urdf.as_ref().filter(|_| report.rigid_body.is_some()) else {
+        return Ok(found);
+    };
+    // The arm alone, as it is written there.
+    let absolute = std::path::absolute(urdf).unwrap_or_else(|_| urdf.to_path_buf());
+    Ok(found.map(|(mut twin, method)| {
+        twin.source = absolute.display().to_string();
+        (twin.chain, twin.notes) = (Chain::default(), Vec::new());
+        (twin, method)
+    }))
 }

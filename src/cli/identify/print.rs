@@ -1,18 +1,19 @@
 //! Tables of an identification for people.
 
-use super::{Loaded, Report, links, scale};
+use super::{Report, links, scale};
 use crate::identification::{
-    self, Dropped, Interval, JointEstimate, Located, MethodResult, ParameterEstimate,
+    self, Dropped, Interval, JointEstimate, Located, MethodResult, ParameterEstimate, Standing,
 };
 use crate::report::{table, to_uncertainty};
+use crate::workflow::{Used, words};
 
 pub fn print(report: &Report<'_>) {
     println!("armtwin {}  identify  seed {}", env!("CARGO_PKG_VERSION"), report.settings.seed);
     println!("robot    {}", report.twin.source);
-    print_source("fit", report.fit);
+    print_source("fit", &report.fit);
     report.check.iter().for_each(|c| print_source("check", c));
-    if let Some(scaled) = report.scaled {
-        println!("loaded   {}", scaled.loaded.provenance.source);
+    if let Some(scaled) = &report.scaled {
+        println!("loaded   {}", scaled.loaded.source);
     }
     println!("fitted   {}", report.terms.names().join(", "));
     if report.args.arm.twin.is_some() && report.args.terms.is_empty() && report.args.with.is_empty()
@@ -21,15 +22,15 @@ pub fn print(report: &Report<'_>) {
             "         (what the twin lists without values; more by --with paper,rotor_inertia,offset)"
         );
     }
-    searched(report.located).iter().for_each(|line| println!("searched {line}"));
-    println!("signals  {}", signals(report));
+    searched(&report.located).iter().for_each(|line| println!("searched {line}"));
+    println!("signals  {}", words::signals(report));
     report.dropped.iter().for_each(|d| print_dropped(d));
-    report.scaled.iter().for_each(|scaled| scale::print(scaled));
-    for result in report.results {
+    report.scaled.iter().for_each(scale::print);
+    for result in &report.results {
         print_method(result);
     }
     report.links_spread.iter().for_each(|spread| payload_note(*spread));
-    report.rigid_body.iter().for_each(|body| links::print(body));
+    report.rigid_body.iter().for_each(links::print);
     if let Some(result) = report.results.last() {
         println!("\nWhat {} found", result.method);
         identification::verdict(result).iter().for_each(|line| println!("  {line}"));
@@ -75,56 +76,14 @@ pub fn searched(located: &[Located]) -> Vec<String> {
 
 fn print_dropped(all: &[Dropped]) {
     println!("dropped  {}", if all.is_empty() { "nothing: every term is shown" } else { "" });
-    dropped(all).iter().for_each(|line| println!("         {line}"));
+    words::dropped(all).iter().for_each(|line| println!("         {line}"));
 }
 
-/// Terms that were taken out and why, one line per joint.
-pub fn dropped(dropped: &[Dropped]) -> Vec<String> {
-    let mut joints: Vec<usize> = dropped.iter().map(|d| d.joint).collect();
-    joints.dedup();
-    let line = |joint: usize| {
-        let terms = dropped.iter().filter(|d| d.joint == joint).map(|d| match &d.why {
-            Some(why) => format!("{} ({why})", d.term),
-            None => format!("{} (p {})", d.term, chance(d.p)),
-        });
-        format!("joint {joint}: {}", terms.collect::<Vec<_>>().join(", "))
-    };
-    joints.into_iter().map(line).collect()
-}
-
-fn print_source(what: &str, loaded: &Loaded) {
-    let provenance = &loaded.recording.provenance;
+fn print_source(what: &str, used: &Used) {
+    let provenance = &used.provenance;
     println!("{what:8} {} ({})", provenance.source, provenance.format);
-    for note in provenance.notes.iter().chain(&loaded.samples.notes) {
+    for note in provenance.notes.iter().chain(&used.samples.notes) {
         println!("         {note}");
-    }
-}
-
-pub fn signals(report: &Report<'_>) -> String {
-    let c = report.conditioning;
-    let derivatives = serde_json::to_value(c.derivatives).ok();
-    let derivatives = derivatives.as_ref().and_then(|v| v.as_str()).unwrap_or("?").to_string();
-    let s = &report.fit.samples;
-    format!(
-        "{:.6} Hz, derivatives from {derivatives}, low-pass {} Hz (motion) and {} Hz (torque and \
-         regressors) of order {}, every {} sample, |qd| > {} rad/s, guard {} s, margin {} s",
-        s.rate_hz(),
-        c.motion_cutoff_hz,
-        c.torque_cutoff_hz,
-        c.filter_order,
-        ordinal(s.decimation()),
-        c.standstill_rad_s,
-        c.guard_s,
-        c.margin_s
-    )
-}
-
-fn ordinal(n: usize) -> String {
-    match n {
-        1 => "single".into(),
-        2 => "2nd".into(),
-        3 => "3rd".into(),
-        n => format!("{n}th"),
     }
 }
 
@@ -137,11 +96,11 @@ const PARAMETERS: [&str; 14] = [
     "high",
     "t",
     "p",
-    "asympt. low",
+    "white noise low",
     "high",
-    "paper low",
+    "Eq. 8 low",
     "high",
-    "bounds",
+    "searched within",
     "",
 ];
 
@@ -163,9 +122,13 @@ fn print_intervals(result: &MethodResult) {
     let joints = result.joints.iter().flat_map(|j| j.parameters.iter().map(move |p| (j.joint, p)));
     let posterior = |(joint, p)| posterior_row(joint, p);
     let rows: Vec<Vec<String>> = joints.filter_map(posterior).collect();
-    let others = "asympt.: as if residuals were white; paper: its Eq. 8, sqrt(n) too narrow";
+    let others = "white noise: as if neighbouring residuals had nothing to do with each other, too narrow; \
+                  Eq. 8: the paper's, too narrow by sqrt(n)";
     if rows.is_empty() {
-        println!("99 %: robust to autocorrelation; {others}");
+        println!(
+            "99 %: holds for residuals that hang together in time; t: value over standard error; p: chance of \
+             such a value if there were none; {others}"
+        );
         return;
     }
     println!(
@@ -201,16 +164,12 @@ fn posterior_row(joint: usize, p: &ParameterEstimate) -> Option<Vec<String>> {
 }
 
 fn parameter_row(joint: String, p: &ParameterEstimate) -> Vec<String> {
-    let remark = match (p.identifiable, p.at_bound) {
-        (false, _) => "not identifiable",
-        (true, true) => "at bound",
-        (true, false) => "",
-    };
+    let remark = remark(p);
     let ends = |i: &Interval| [number(i.low), number(i.high)];
     let [value, low, high] = to_uncertainty(p.value, p.low, p.high);
     let mut row = vec![joint, p.name.clone(), p.unit.clone(), value];
     if p.identifiable {
-        row.extend([low, high, format!("{:.1}", p.statistic), chance(p.p)]);
+        row.extend([low, high, format!("{:.1}", p.statistic), words::chance(p.p)]);
         row.extend(ends(&p.asymptotic));
         row.extend(ends(&p.paper));
     } else {
@@ -219,6 +178,16 @@ fn parameter_row(joint: String, p: &ParameterEstimate) -> Vec<String> {
     row.push(format!("{} .. {}", p.bounds[0], p.bounds[1]));
     row.push(remark.into());
     row
+}
+
+/// What stands beside a parameter's numbers.
+fn remark(p: &ParameterEstimate) -> &'static str {
+    match (identification::standing(p), p.at_bound) {
+        (Standing::Open, _) => "not determined",
+        (_, true) => "at its bound",
+        (Standing::MayBeZero, false) => "may be zero",
+        (Standing::Shown, false) => "",
+    }
 }
 
 fn number(x: f64) -> String {
@@ -231,22 +200,12 @@ fn number(x: f64) -> String {
     }
 }
 
-fn chance(p: f64) -> String {
-    if p == 0.0 {
-        "<1e-308".into()
-    } else if p < 1e-3 {
-        format!("{p:.0e}")
-    } else {
-        format!("{p:.3}")
-    }
-}
-
 fn search_header(checked: bool) -> Vec<&'static str> {
     let mut header =
-        vec!["joint", "samples", "cost N.m", "evaluations", "ms", "stopped", "R2", "R2 printed"];
+        vec!["joint", "samples", "cost N.m", "evaluations", "ms", "stopped", "R2", "R2 (Eq. 20)"];
     header.push("MSE (N.m)2");
     if checked {
-        header.extend(["check R2", "check R2 printed", "check MSE (N.m)2"]);
+        header.extend(["check R2", "check R2 (Eq. 20)", "check MSE (N.m)2"]);
     }
     header
 }
@@ -270,7 +229,7 @@ fn search_row(j: &JointEstimate) -> Vec<String> {
     row
 }
 
-/// Why parameters are not identifiable, one line per joint and reason.
+/// Why parameters are not determined, one line per joint and reason.
 pub fn reasons(result: &MethodResult) {
     let mut lines: Vec<(String, String, Vec<String>)> = Vec::new();
     let joints = result.joints.iter().map(|j| (format!("joint {}", j.joint), &j.parameters));
@@ -284,7 +243,7 @@ pub fn reasons(result: &MethodResult) {
         }
     }
     if !lines.is_empty() {
-        println!("\nNot identifiable:");
+        println!("\nNot determined by these data:");
     }
     for (place, why, names) in lines {
         println!("  {place}, {}: {why}", names.join(", "));

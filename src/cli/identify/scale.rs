@@ -1,26 +1,20 @@
 //! `identify --loaded`: the drives' torque constants by a load that is known.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context, bail};
-
-use super::{Args, inertia};
-use crate::cli::twin::Arm;
-use crate::identification::{Gain, Load, Terms, TorqueScale, torque_scale};
-use crate::recording::Recording;
+use crate::identification::Gain;
 use crate::report::{table, to_uncertainty};
-use crate::signals::{Conditioning, Samples};
-use crate::twin::Twin;
+use crate::workflow::{KnownLoad, Scaled};
 
 #[derive(clap::Args)]
 pub struct LoadArgs {
-    /// Recording of the arm with a known load at the flange: tells the drives' torque constants
+    /// Recording of the arm with a known load at the flange, which tells the torque constants [default: none]
     #[arg(long, value_name = "RECORDING", requires = "payload")]
     loaded: Option<PathBuf>,
-    /// Mass of that load, kg
+    /// Mass of the load of --loaded, kg; needed with --loaded
     #[arg(long, value_name = "KG", value_parser = mass, requires = "loaded", allow_hyphen_values = true)]
     payload: Option<f64>,
-    /// Centre of its mass in the flange's frame, m [default: found along]
+    /// Centre of the load's mass in the flange's frame, m [default: it is fitted]
     #[arg(
         long,
         value_name = "X,Y,Z",
@@ -32,9 +26,10 @@ pub struct LoadArgs {
 }
 
 impl LoadArgs {
-    /// Whether torque constants are what is asked for.
-    pub fn is_given(&self) -> bool {
-        self.loaded.is_some()
+    /// The recording and the load in it, if torque constants are what is asked for.
+    pub fn given(&self) -> Option<(&PathBuf, KnownLoad)> {
+        let mass_kg = self.payload?;
+        Some((self.loaded.as_ref()?, KnownLoad { mass_kg, centre_m: self.payload_centre }))
     }
 }
 
@@ -52,67 +47,6 @@ fn centre(text: &str) -> Result<[f64; 3], String> {
     three.ok_or("give X,Y,Z in m, for example 0,0,0.05".into())
 }
 
-/// What was found, and what became of the twin.
-pub struct Scaled {
-    pub scale: TorqueScale,
-    pub twin: Twin,
-    pub loaded: Recording,
-    pub note: Option<String>,
-}
-
-impl Args {
-    /// The twin with torque constants of its own arm, where a loaded run tells them.
-    pub fn scaled(
-        &self,
-        arm: &Arm,
-        terms: &Terms,
-        fit: &(Recording, Samples),
-        how: &Conditioning,
-    ) -> anyhow::Result<Option<Scaled>> {
-        let LoadArgs { loaded: Some(path), payload: Some(mass_kg), payload_centre } = &self.load
-        else {
-            return Ok(None);
-        };
-        super::refuse_same_file(&self.recordings[0], path)?;
-        self.refuse_unknown_loads(path)?;
-        let loaded = self.read(path, arm, how)?;
-        let twin = &arm.twin;
-        super::refuse_same_samples(&fit.0, &loaded.0)?;
-        let load = Load { mass_kg: *mass_kg, centre_m: *payload_centre };
-        let scale = torque_scale(twin, terms, [&fit.1, &loaded.1], load)
-            .with_context(|| format!("--loaded {}", path.display()))?;
-        let (twin, note) = corrected(twin, &scale, &fit.0);
-        Ok(Some(Scaled { scale, twin, loaded: loaded.0, note }))
-    }
-
-    fn refuse_unknown_loads(&self, path: &Path) -> anyhow::Result<()> {
-        let unknown = ["payload", "link_inertia", "torque_constant"];
-        let asked = self.with.iter().chain(&self.terms);
-        match asked.into_iter().find(|name| unknown.contains(&name.as_str())) {
-            Some(name) => bail!(
-                "--loaded {}: the load is known there and links and torque constants are found \
-                 along; leave `{name}` out (`--with {}` is welcome)",
-                path.display(),
-                inertia::NAME
-            ),
-            None => Ok(()),
-        }
-    }
-}
-
-/// The drive with what is told; the twin's own constants elsewhere.
-fn corrected(twin: &Twin, scale: &TorqueScale, fit: &Recording) -> (Twin, Option<String>) {
-    if fit.channel("joint_torque_0").is_some() {
-        let note = "the recording holds joint torque, not current: the gains are its sensors', and \
-                    the twin's drive stays as it is";
-        return (twin.clone(), Some(note.into()));
-    }
-    let mut new = twin.clone();
-    let told = scale.joints.iter().zip(&mut new.drive.torque_constant);
-    told.filter(|(gain, _)| gain.identifiable).for_each(|(gain, k)| *k *= gain.value);
-    (new, None)
-}
-
 pub fn print(scaled: &Scaled) {
     let Scaled { scale, note, .. } = scaled;
     let [x, y, z] = scale.centre_m;
@@ -128,19 +62,6 @@ pub fn print(scaled: &Scaled) {
         Some(note) => println!("note: {note}"),
         None => println!("What follows is in torque by these constants, where they are told."),
     }
-}
-
-/// Joint by joint, in words.
-pub fn lines(scaled: &Scaled) -> Vec<String> {
-    let told = scaled.scale.joints.iter().filter(|gain| gain.identifiable);
-    let line = |gain: &Gain| {
-        let [value, low, high] = to_uncertainty(gain.value, gain.low, gain.high);
-        format!(
-            "joint {}: {value} times the twin's torque per ampere ({low} to {high}), {:.3} N.m/A",
-            gain.joint, gain.torque_per_ampere
-        )
-    };
-    told.map(line).collect()
 }
 
 const HEADER: [&str; 6] = ["joint", "times the twin's", "99 % low", "high", "N.m/A", ""];

@@ -6,9 +6,9 @@ mod with_viewer;
 mod without_viewer;
 
 #[cfg(feature = "viewer")]
-pub use with_viewer::{Deliveries, Link};
+pub use with_viewer::{Deliveries, Link, Watched};
 #[cfg(not(feature = "viewer"))]
-pub use without_viewer::{Deliveries, Link};
+pub use without_viewer::{Deliveries, Link, Watched};
 
 /// Where a viewer listens unless told otherwise.
 const ADDRESS: &str = "127.0.0.1:9876";

@@ -8,7 +8,8 @@ use crate::cli::interrupt;
 use crate::robot::Robot;
 use crate::series::JointSeries;
 use crate::simulation::{Command, Glimpse, Target};
-use crate::viewer::live::{Address, Delivery, Moving, Server};
+use crate::viewer::live::{self, Address, Delivery, Moving, Server, Watching};
+use crate::watch::Stretch;
 
 /// To a viewer that listens, or to a server of our own.
 pub struct Link {
@@ -51,6 +52,32 @@ impl Link {
         let planned = coarse(command, robot.dof());
         let moving = Moving::begin(&self.address, title, robot.clone(), planned)?;
         Ok(Following { moving, command, target: Target::still(robot.dof()) })
+    }
+}
+
+impl Link {
+    /// Begins to show an arm that is watched.
+    pub fn watch(&self, title: String, robot: &Robot) -> anyhow::Result<Watched> {
+        Ok(Watched(Watching::begin(&self.address, title, robot.clone())?))
+    }
+}
+
+/// An arm that is shown while it is watched.
+pub struct Watched(Watching);
+
+impl Watched {
+    pub fn see(&mut self, stretch: &Stretch) {
+        let shown = live::Watched {
+            time: stretch.time.clone(),
+            q: stretch.q.clone(),
+            measured: stretch.measured.clone(),
+            predicted: stretch.predicted.clone(),
+        };
+        self.0.add(&shown, stretch.dt);
+    }
+
+    pub fn end(self) -> Delivery {
+        self.0.end()
     }
 }
 

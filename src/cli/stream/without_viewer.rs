@@ -28,6 +28,24 @@ impl Link {
     }
 }
 
+impl Link {
+    pub fn watch(&self, _: String, _: &Robot) -> anyhow::Result<Watched> {
+        match *self {}
+    }
+}
+
+pub enum Watched {}
+
+impl Watched {
+    pub fn see(&mut self, _: &crate::watch::Stretch) {
+        match *self {}
+    }
+
+    pub fn end(self) -> Delivery {
+        match self {}
+    }
+}
+
 impl Following {
     pub fn see(&mut self, _: &Glimpse) {
         match *self {}

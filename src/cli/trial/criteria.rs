@@ -24,13 +24,13 @@ pub struct Args {
     /// Folder for the folders of answers
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Markdown file to write; left out, standard output
+    /// Markdown file to write [default: standard output]
     #[arg(long, value_name = "FILE")]
     page: Option<Output>,
     /// Cases at a time [default: one per core]
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
-    /// Only the first N cases; of grafts those count whose untouched pair is among them
+    /// Answer the first N cases only [default: all]
     #[arg(long, value_name = "N")]
     limit: Option<NonZeroUsize>,
     /// Answer again what is answered already

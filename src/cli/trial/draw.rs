@@ -29,15 +29,15 @@ pub struct Args {
     /// Folder for the cases; it must not hold a trial
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// How many; with --on those with a graft, untouched pairs come on top [default: 420; with --on every
-    /// effect at every strength once]
+    /// Number of cases; with --on of those with a graft, besides the untouched pairs [default: 420; with --on
+    /// every effect at every strength once]
     #[arg(long, value_name = "N", conflicts_with = "from")]
     cases: Option<usize>,
     /// Random seed for everything that is drawn
     #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "from")]
     seed: u64,
     /// Only these kinds (clean, single, pair, withheld, foreign, unseen; with --on untouched, grafted,
-    /// grafted_foreign) or effects
+    /// grafted_foreign) or effects [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "from")]
     only: Vec<String>,
     /// Link masses 5 % and centres 5 mm off, coloured noise, skewed channels
@@ -49,28 +49,28 @@ pub struct Args {
     /// Cases at a time [default: one per core]
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
-    /// Graft effects onto these recordings of one arm; one alone is cut in halves
+    /// Recordings of one arm to graft effects onto; one alone is cut in halves [default: none]
     #[arg(long, value_name = "RECORDING", num_args = 1.., requires = "twin", conflicts_with = "from")]
     on: Vec<PathBuf>,
-    /// What is known of the arm of --on's recordings
+    /// Twin of the arm of --on's recordings; needed with --on
     #[arg(long, value_name = "FILE", requires = "on")]
     twin: Option<PathBuf>,
-    /// What the columns of --on's recordings are, where their names do not say
+    /// Column map of --on's recordings [default: RTDE names]
     #[arg(long, value_name = "MAP", requires = "on")]
     columns: Option<PathBuf>,
     /// How strong --on's effects are, over what the twin leaves [default: .5,1,2,4]
     #[arg(long, value_name = "X,...", value_delimiter = ',', requires = "on")]
     strengths: Vec<f64>,
-    /// Take the labelled cases of this folder in place of simulating
+    /// Take the labelled cases of this folder [default: cases are simulated]
     #[arg(long, value_name = "FOLDER")]
     from: Option<PathBuf>,
-    /// TOML file with the names of files and effects in --from's folder
+    /// TOML file with the names of files and effects in --from's folder [default: armtwin's own names]
     #[arg(long, value_name = "FILE", requires = "from")]
     names: Option<PathBuf>,
-    /// How well the answerer is told that link masses are known, relative [default: as drawn]
+    /// How well link masses are known, as the one who answers is told; a share [default: as drawn]
     #[arg(long, value_name = "SHARE")]
     mass_error: Option<f64>,
-    /// How well it is told that their centres are known, m [default: as drawn]
+    /// How well the links' centres of mass are known, as the one who answers is told, m [default: as drawn]
     #[arg(long, value_name = "M")]
     centre_error: Option<f64>,
     /// Write how many cases were drawn, and how, as JSON; no labels

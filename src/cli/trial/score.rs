@@ -19,10 +19,10 @@ pub struct Args {
     /// Folders of cases and of their answers, in turn
     #[arg(required = true, num_args = 2.., value_name = "CASES ANSWERS")]
     folders: Vec<PathBuf>,
-    /// Markdown file to write; left out, standard output
+    /// Markdown file to write [default: standard output]
     #[arg(long, value_name = "FILE")]
     out: Option<Output>,
-    /// Every judgement as JSON
+    /// Write every judgement as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<Output>,
 }

@@ -1,5 +1,4 @@
-//! One independent number per effect, worked out by hand: a law that both injects and explains
-//! would pass every round trip even when it is wrong.
+//! Numbers worked out by hand: the one of every effect, and longer ones of those that need more.
 
 use nalgebra::Vector3;
 
@@ -7,99 +6,50 @@ use super::samples::random_arm;
 use super::*;
 use crate::robot::{Workspace, gravity_torque};
 
-/// Values, motion (q, qd, qdd of a pendulum of 3 kg at 0.4 m, flange at 0.5 m, row by row every
-/// 20 ms) and the torque at its end worked out by hand. A new effect needs a line here.
-fn closed_form(name: &str) -> (Vec<f64>, Vec<[f64; 3]>, f64) {
-    let at = |q: f64, qd: f64, qdd: f64| vec![[q, qd, qdd]];
-    let (right_angle, e) = (std::f64::consts::FRAC_PI_2, std::f64::consts::E);
-    // From rest over 2 mrad in one row.
-    let start = vec![[0.0, 0.0, 0.0], [0.002, 0.1, 0.0]];
-    match name {
-        "coulomb" => (vec![5.0], at(0.0, -0.3, 0.0), -5.0),
-        "viscous" => (vec![6.0], at(0.0, -0.5, 0.0), -3.0),
-        "viscous_quadratic" => (vec![2.0], at(0.0, -0.5, 0.0), -0.5),
-        "viscous_cubic" => (vec![4.0], at(0.0, -0.5, 0.0), -0.5),
-        // A Gaussian at twice the Stribeck velocity
-        "stribeck" => (vec![2.0, 0.05, 2.0], at(0.0, 0.1, 0.0), 2.0 / e.powi(4)),
-        // Half of both, whatever the direction
-        "coulomb_asymmetry" => (vec![1.0, 0.6], at(0.0, -0.5, 0.0), 0.5 + 0.15),
-        // 20 K above 25 deg C
-        "temperature_friction" => (vec![-0.05, -0.1], at(0.0, 0.5, 0.0), -1.0 - 1.0),
-        // 1 - 1/e of the level after one width
-        "presliding" => (vec![5.0, 0.002], start, 5.0 * (1.0 - 1.0 / e)),
-        // Sliding at the Stribeck velocity for 50 widths: the curve, no bristle motion
-        "lugre" => {
-            let values = vec![5.0, 3.0, 2e-5, 0.3, 0.05];
-            (values, vec![[0.0, 0.0, 0.0], [0.001, 0.05, 0.0]], 5.0 * (1.0 + 0.3 / e))
-        }
-        // The first slips, the second is half, the third an eighth of the way
-        "maxwell_slip" => (vec![2.0, 1.0, 4.0, 0.004], start, 2.0 + 0.5 + 0.5),
-        "torque_ripple" => (vec![0.3, 0.2, 2.0], at(0.5 * right_angle, 0.1, 0.0), 0.3),
-        // 2 N.m/rad over 1 rad from rest angle 0.5, and hysteresis that has not moved
-        "cable_spring" => (vec![2.0, 0.4, 0.5, 0.2], at(1.5, 0.0, 0.0), 2.0),
-        "rotor_inertia" => (vec![1.1], at(0.3, 1.0, -2.0), -2.2),
-        "current_offset" => (vec![-0.7], at(1.0, 1.0, 1.0), -0.7),
-        // 0.05 x 3 kg x 9.81 m/s2 x 0.4 m cos 60 deg
-        "load_friction" => (vec![0.05], at(std::f64::consts::FRAC_PI_3, 0.1, 0.0), 0.2943),
-        // (2 kg x 0.5 m + 0.1 kg.m) x 9.81 m/s2 held level, plus the inertia
-        // 2 kg (0.55 m)^2 + 0.02 kg.m2 at 3 rad/s2
-        "payload" => {
-            let inertia = [0.01, 0.02, 0.015, 0.0, 0.0, 0.0];
-            let values = [&[2.0, 0.1, 0.0, 0.0], &inertia[..], &[0.05, 0.0, 0.0]].concat();
-            (values, at(0.0, 0.0, 3.0), 10.791 + 1.875)
-        }
-        // 0.1 kg.m x 9.81 m/s2 held level
-        "link_inertia" => (vec![0.0, 0.1, 0.0, 0.0], at(0.0, 0.0, 0.0), 0.981),
-        // -20 N at 0.5 m
-        "external_contact" => (vec![0.0, 0.0, -20.0, 0.0, 1.0, 1.0], at(0.0, 0.0, 0.0), 10.0),
-        // Upright; x dips by 0.1: sin(0.1) x 3 kg x 9.81 m/s2 x 0.4 m pull it over
-        "base_tilt" => {
-            (vec![0.0, 0.1, 0.0, 0.1], at(right_angle, 0.0, 0.0), 11.772 * f64::sin(0.1))
-        }
-        // Shown upright, truly 0.1 before it
-        "encoder_offset" => (vec![0.1, 0.1], at(right_angle, 0.0, 0.0), 11.772 * f64::sin(0.1)),
-        // 10 % of 3 kg x 9.81 m/s2 x 0.4 m
-        "torque_constant" => (vec![0.1], at(0.0, 0.0, 0.0), 1.1772),
-        // Servos of 20 N.m/rad that are 0.1 rad behind their command: 20 % less of 2 N.m
-        "servo_gain" => (vec![-0.2], at(0.3, 0.0, 0.0), 0.4),
-        // Off at first, powered at the end
-        "servo_damping" => (vec![0.5], vec![[0.0, -2.0, 0.0]; 60], -1.0),
-        // 0.03 rad of the error do nothing
-        "servo_dead_band" => (vec![0.03, 0.03], at(0.0, 0.0, 0.0), 0.6),
-        // 10 ms, half a row, of a command that rises by 0.5 rad/s x 20 ms in the row before: 5 mrad
-        "servo_delay" => (vec![0.01, 0.01], vec![[0.0; 3]; 2], 0.1),
-        "servo_offset" => (vec![-0.02], at(0.0, 0.0, 0.0), 0.4),
-        _ => panic!("{name}: work out a number by hand and put it here"),
-    }
-}
-
 #[test]
 fn agrees_with_numbers_worked_out_by_hand() {
-    let elsewhere = ["joint_coupling", "joint_flexibility", "backlash"];
-    for effect in columned().filter(|e| !elsewhere.contains(&e.about().name)) {
+    for effect in CATALOGUE {
         let name = effect.about().name;
-        let (values, rows, expected) = closed_form(name);
-        let samples = Samples::rows(&rows);
-        let mut torques = vec![samples.explained(effect, &values, 0)];
-        if !STRUCTURAL.contains(&name) {
-            torques.push(samples.injected(effect, &values, 0));
-        }
-        for torque in torques {
-            let last = torque.joint(0)[rows.len() - 1];
-            assert!((last - expected).abs() < 1e-6 * expected.abs(), "{name}: {last} {expected}");
+        let worked = effect.worked();
+        let worked = worked.unwrap_or_else(|| panic!("{name}: work out a number by hand"));
+        for found in shown(*effect, &worked) {
+            let error = (found - worked.result).abs();
+            assert!(error <= worked.within * worked.result.abs(), "{name}: {found}, {worked:?}");
         }
     }
 }
 
-#[test]
-fn a_neighbours_motion_pulls_along() {
-    let samples = Samples::random(5);
-    let effect = find("joint_coupling").unwrap();
-    let torque = samples.explained(effect, &[2.0, -3.0], 1);
-    let [inner, outer] = [0, 2].map(|j| samples.qd.joint(j)[7]);
-    assert!((torque.joint(1)[7] - (2.0 * inner - 3.0 * outer)).abs() < 1e-12);
-    let torque = samples.explained(effect, &[2.0, -3.0], 0);
-    assert!((torque.joint(0)[7] + 3.0 * samples.qd.joint(1)[7]).abs() < 1e-12);
+/// What an effect makes of what a number is held against: explained, and injected where that is not a degree
+/// of freedom of its own.
+fn shown(effect: &dyn Effect, worked: &Worked) -> Vec<f64> {
+    let values = worked.values_of(effect);
+    match &worked.of {
+        Shown::Pendulum(rows) => torques(effect, &values, &Samples::rows(rows), 0),
+        Shown::Between([inner, outer]) => {
+            let turning = [*inner, 0.0, *outer].map(|qd| vec![qd; 3]);
+            let qd = JointSeries::from_joints(&turning);
+            torques(effect, &values, &Samples { qd, ..Samples::random(5) }.first(3), 1)
+        }
+        Shown::Ramp(channel) => {
+            let mut seen = channels(|t| [0.0, 3.0 * t, 3.0, 2.0 * t]);
+            effect.measure(&values, &mut seen);
+            vec![channel(&seen)[50]]
+        }
+        Shown::Mechanism(part) => {
+            let mut mechanism = Mechanism::new(pendulum());
+            effect.build(&values, 0, &mut mechanism);
+            vec![part(&mechanism)]
+        }
+    }
+}
+
+/// N.m at the end of the motion.
+fn torques(effect: &dyn Effect, values: &[f64], samples: &Samples, joint: usize) -> Vec<f64> {
+    let mut all = vec![samples.explained(effect, values, joint)];
+    if !is_structural(effect) {
+        all.push(samples.injected(effect, values, joint));
+    }
+    all.iter().map(|torque| *torque.joint(joint).last().unwrap()).collect()
 }
 
 /// A wheel without gravity on a spring: the motor feels I (qdd - w''), w = c I qdd. For
@@ -144,19 +94,6 @@ fn a_hardening_joint_with_hysteresis_winds_up_less() {
     assert!((carried - hangs).abs() < 1e-4 * hangs, "{w} {bent}: {carried} {hangs}");
 }
 
-/// Half a gap and 2e4 N.m/rad under 11.772 N.m cos q: the gravity torque changes by its slope times
-/// the wind-up, which holds it where the link hangs.
-#[test]
-fn backlash_lets_the_link_hang_behind() {
-    let q = 1.0;
-    let samples = Samples::rows(&[[q, 0.0, 0.0]; 90]);
-    let torque = samples.explained(find("backlash").unwrap(), &[1e-3, 2e4, 20.0, 1e-3], 0);
-    let (load, slope) = (11.772 * f64::cos(q), -11.772 * f64::sin(q));
-    let wind_up = (2e4 * 5e-4 + load) / (2e4 + slope);
-    let expected = -slope * wind_up;
-    assert!((torque.joint(0)[80] - expected).abs() < 1e-6, "{} {expected}", torque.joint(0)[80]);
-}
-
 /// Held still, all joints elastic and one slack as well: every link hangs where its transmission
 /// carries the gravity torque of the arm that hangs so, which is solved for by iteration.
 #[test]
@@ -197,23 +134,6 @@ fn links_of_several_elastic_joints_hang_together() {
     }
 }
 
-/// Ramps and steps through the sensors, by closed form.
-#[test]
-fn sensors_show_what_the_closed_forms_say() {
-    let measured = |name: &str, values: &[f64]| {
-        let mut seen = channels(|t| [0.0, 3.0 * t, 3.0, 2.0 * t]);
-        find(name).unwrap().measure(values, &mut seen);
-        seen
-    };
-    let seen = measured("time_delay", &[0.013]);
-    assert!((seen.torque[50] - 2.0 * (0.5 - 0.013)).abs() < 1e-12, "{}", seen.torque[50]);
-    let seen = measured("velocity_lag", &[0.05]);
-    let lagged = 3.0 * (0.5 - 0.05 + 0.05 * f64::exp(-10.0));
-    assert!((seen.qd[50] - lagged).abs() < 1e-12, "{} {lagged}", seen.qd[50]);
-    let seen = measured("quantisation", &[0.0, 0.4, 0.3]);
-    assert!((seen.qd[50] - 1.6).abs() < 1e-12 && (seen.torque[50] - 0.9).abs() < 1e-12);
-}
-
 /// A lag answers motion between samples as well as at them: a sine of frequency w comes out smaller
 /// by 1/sqrt(1 + w^2 T^2) and later by atan(w T)/w, to 2e-6 of it at 16 samples per radian.
 #[test]
@@ -250,15 +170,4 @@ fn corrections_undo_what_sensors_did() {
             assert!((torque - 5.0 * qd).abs() < 0.02, "{}: {torque} {qd}", effect.about().name);
         }
     }
-}
-
-/// What inverse dynamics cannot see changes the drive or the controller.
-#[test]
-fn limits_and_gains_are_in_the_mechanism() {
-    let mut mechanism = Mechanism::new(pendulum());
-    find("torque_saturation").unwrap().build(&[30.0], 0, &mut mechanism);
-    find("controller_mismatch").unwrap().build(&[0.5, 0.7, 0.9, 0.004], 0, &mut mechanism);
-    assert_eq!(mechanism.torque_limit, [30.0]);
-    let control = ControlChange { bandwidth: 0.5, damping: 0.7, feedforward: 0.9, delay: 0.004 };
-    assert_eq!(mechanism.control, control);
 }

@@ -111,6 +111,15 @@ impl Samples {
         Self { robot: pendulum(), q, qd, qdd, temperature, told }
     }
 
+    /// The first `n` samples.
+    pub fn first(self, n: usize) -> Self {
+        let cut = |x: &JointSeries| x.map_joints(|_, x| x[..n].to_vec());
+        let Self { robot, q, qd, qdd, temperature, .. } = self;
+        let (q, qd) = (cut(&q), cut(&qd));
+        let told = told(&q, &qd);
+        Self { robot, qdd: cut(&qdd), temperature: cut(&temperature), told, q, qd }
+    }
+
     pub fn motion(&self) -> Motion<'_> {
         let motion = Motion::new(&self.robot, DT, &self.q, &self.qd, &self.qdd);
         Motion { temperature: Some(&self.temperature), told: Some(&self.told), ..motion }

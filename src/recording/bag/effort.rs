@@ -3,8 +3,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::map::{BagMap, Effort};
 use crate::recording::Recording;
+use crate::recording::bag_map::{BagMap, Effort};
 use crate::recording::check::split_index;
 use crate::robot::{self, BUILT_IN, Chain, Robot, Workspace, gravity_torque};
 use crate::series::JointSeries;

@@ -1,8 +1,8 @@
 //! Joint states, one after the other -> columns, base to wrist.
 
-use super::map::{BagMap, Clock};
 use super::message::JointState;
 use super::names;
+use crate::recording::bag_map::{BagMap, Clock};
 
 /// What may come in a joint state, as RTDE calls it; effort has no meaning yet.
 pub const SIGNALS: [&str; 3] = ["actual_q", "actual_qd", "effort"];

@@ -8,11 +8,13 @@ use std::path::Path;
 use mcap::records::MessageHeader;
 use mcap::{Compression, McapError};
 
+use super::bad;
 use super::mcap_records::{self, Broken, Record};
 use super::message::definition;
+use super::outgoing::Outgoing;
 use super::topics::Topics;
-use super::{Outgoing, bad, cannot, unwritten};
 use crate::recording::RecordingError;
+use crate::recording::file::{cannot, unwritten};
 
 const BYTES_PER_READ: usize = 1 << 16;
 

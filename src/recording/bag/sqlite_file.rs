@@ -7,10 +7,12 @@ use std::path::Path;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, ErrorCode, OpenFlags, OptionalExtension, params};
 
+use super::bad;
+use super::outgoing::Outgoing;
 use super::topics::Topics;
-use super::{Outgoing, bad, cannot};
 use crate::limits::{CHUNK, Expansion, STEPS, TooMuch};
 use crate::recording::RecordingError;
+use crate::recording::file::cannot;
 
 /// What any bag may take.
 const FEW_STEPS: u64 = 100_000;

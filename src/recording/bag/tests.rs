@@ -5,8 +5,13 @@ use std::io::Cursor;
 
 use mcap::records::MessageHeader;
 
-use super::*;
+use std::path::{Path, PathBuf};
+
+use super::{RosBag, effort, message};
+use crate::recording::bag_map::{BagMap, Effort};
+use crate::recording::format::{Format, WriteOptions};
 use crate::recording::{self, write};
+use crate::recording::{Channel, ColumnMap, Provenance, Recording, RecordingError};
 use crate::robot::{Workspace, gravity_torque};
 
 fn made(name: &str) -> PathBuf {

@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use super::cdr::Malformed;
 use super::message::{JOINT_STATE, JointState, NUMBERS, decode_numbers, unpacked};
-use super::{BagMap, OWN_TOPICS, bad};
+use super::{OWN_TOPICS, bad};
 use crate::limits::{self, COLUMNS, Expansion, ROWS, TOPICS, TooMuch};
 use crate::recording::RecordingError;
 use crate::recording::bag::joints::Joints;
+use crate::recording::bag_map::BagMap;
 
 /// Characters; ROS types have some thirty.
 const LONGEST_KIND: usize = 200;

@@ -2,6 +2,7 @@
 
 use super::Block;
 use super::source::Columns;
+use super::words::words;
 
 /// Words for what is commanded.
 const TARGET: [&str; 12] = [
@@ -45,24 +46,6 @@ const QUANTITIES: [Quantity; 6] = [
 /// Names of the joints of a common arm.
 const JOINTS: [(&str, usize); 5] =
     [("pan", 0), ("base", 0), ("lift", 1), ("shoulder", 1), ("elbow", 2)];
-
-/// Lower-case words and numbers of a name: "shoulderPan_pos2" is shoulder, pan, pos, 2.
-pub fn words(name: &str) -> Vec<String> {
-    let mut words: Vec<String> = Vec::new();
-    let mut last = ' ';
-    for c in name.chars() {
-        let kind = |c: char| (c.is_alphabetic(), c.is_ascii_digit());
-        let begins = kind(c) != kind(last) || (c.is_uppercase() && last.is_lowercase());
-        if c.is_alphanumeric() {
-            match words.last_mut().filter(|_| !begins) {
-                Some(word) => word.extend(c.to_lowercase()),
-                None => words.push(c.to_lowercase().collect()),
-            }
-        }
-        last = c;
-    }
-    words
-}
 
 /// What a name says: stem and joint, as it counts.
 fn read(name: &str) -> Option<(&'static str, usize)> {

@@ -8,6 +8,7 @@ mod source;
 #[cfg(test)]
 mod tests;
 mod units;
+mod words;
 mod write;
 
 use std::path::Path;

@@ -134,7 +134,7 @@ const TIME: [&str; 8] = ["timestamp", "time", "t", "stamp", "clock", "secs", "se
 
 fn is_time(names: Option<&[String]>, column: usize) -> bool {
     let Some(name) = names.and_then(|n| n.get(column)) else { return false };
-    super::by_name::words(name).iter().any(|w| TIME.contains(&w.as_str()))
+    super::words::words(name).iter().any(|w| TIME.contains(&w.as_str()))
 }
 
 /// The first column that rises and has time's name, else the first that rises.

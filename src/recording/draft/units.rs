@@ -1,8 +1,8 @@
 //! Units, by sizes, by names, and by what velocities and positions say of each other.
 
 use super::Block;
-use super::by_name::words;
 use super::source::Columns;
+use super::words::words;
 use crate::recording::inspection::{plausible_step, step};
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;

@@ -4,17 +4,15 @@
 //! What the numbers are (degrees, or percent of a calibrated range) no data set says: a column map must.
 
 mod info;
-mod map;
 
 use std::path::{Path, PathBuf};
 
 use info::{ACTION, INFO, Info, STATE};
-use map::Angle;
-pub use map::LerobotMap;
 
 use super::check::refuse_bad;
 use super::format::Format;
 use super::guard::guarded;
+use super::lerobot_map::{Angle, LerobotMap};
 use super::parquet_file::damaged;
 use super::parquet_lists::{self, Lists};
 use super::{Channel, ColumnMap, Provenance, Recording, RecordingError};

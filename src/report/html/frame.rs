@@ -2,12 +2,16 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+pub use crate::report::Fact;
+
 /// Everything a report is made from.
 pub struct Page<'a> {
     /// What made it: `armtwin diagnose`.
     pub kind: &'a str,
-    /// In one sentence.
+    /// In two lines at most, where the page is wide.
     pub answer: &'a str,
+    /// What else belongs to the answer; may be empty.
+    pub more: &'a str,
     /// The first picture.
     pub picture: Markup,
     pub sections: Vec<Section>,
@@ -19,9 +23,6 @@ pub struct Section {
     pub title: String,
     pub body: Markup,
 }
-
-/// What is being said, and what is said of it.
-pub type Fact = (String, String);
 
 impl Section {
     pub fn new(id: impl Into<String>, title: impl Into<String>, body: Markup) -> Self {
@@ -51,12 +52,13 @@ impl Page<'_> {
                     meta name="generator" content=(concat!("armtwin ", env!("CARGO_PKG_VERSION")));
                     title { (self.kind) }
                     style { (PreEscaped(include_str!("style.css"))) }
-                    noscript { style { ".plot { display: none; }" } }
+                    noscript { style { ".framed { display: none; }" } }
                 }
                 body {
                     header id="answer" {
                         p.kind { (self.kind) }
                         h1 { (self.answer) }
+                        @if !self.more.is_empty() { p.more { (self.more) } }
                         (self.picture)
                         nav { @for s in &sections { a href={ "#" (s.id) } { (s.title) } } }
                     }
@@ -73,17 +75,16 @@ fn section(s: &Section) -> Markup {
     html! { section id=(s.id) { h2 { (s.title) } (s.body) } }
 }
 
+/// Lines and points, without maps, surfaces and formulae.
+pub const LIBRARY: &str = include_str!("plotly/plotly-basic.min.js");
+
 /// The plotting library, once, and what draws with it.
 fn scripts() -> Markup {
-    let all = plotly::Plot::offline_js_sources();
-    // The second script, for formulae, is as large again and not needed.
-    let end = "</script>";
-    let library = all.split_once(end).map_or(String::new(), |(first, _)| format!("{first}{end}"));
     html! {
         noscript {
             p.note { "The plots need JavaScript; every number is in the text and the tables." }
         }
-        (PreEscaped(library))
+        script { (PreEscaped(LIBRARY)) }
         script { (PreEscaped(include_str!("plots.js"))) }
     }
 }

@@ -2,15 +2,21 @@
 
 use maud::{Markup, html};
 
-use super::chart::{Chart, Row};
+use super::bars::{Bars, Row};
 use super::frame::{Fact, Page, Section, facts};
-use super::plot::{AFTER, BEFORE, Curve, Drawn, MEASURED, Plot, key, with_gaps};
+use super::plot::{AFTER, BEFORE, Look, MEASURED, key, plot};
 use super::table::table;
-use crate::identification::{JointEstimate, MethodResult, ParameterEstimate};
-use crate::report::to_uncertainty;
+use crate::figure::{Colour, Drawn, Line, Panel, Scale, every, over_time};
+use crate::identification::{JointEstimate, MethodResult, ParameterEstimate, Standing, standing};
+use crate::text::to_uncertainty;
 
-/// Points of a curve at most.
-const MOST_POINTS: usize = 900;
+/// Points that are scattered in a plot at most.
+const MOST_POINTS: usize = 600;
+
+const TIME: (&str, Scale) = ("time in the recording / s", Scale::Linear);
+/// Plots over time are looked closer at together.
+const OVER_TIME: Look<'_> = Look { names: &[], whole: true, group: Some("time") };
+const TORQUE: [(&str, &str); 2] = [("recorded", MEASURED), ("fitted twin", AFTER)];
 
 pub struct IdentificationReport<'a> {
     pub results: &'a [MethodResult],
@@ -36,6 +42,8 @@ pub struct JointCurves {
     pub position: Vec<f64>,
     /// rad/s
     pub velocity: Vec<f64>,
+    /// What moves the masses, N.m.
+    pub masses: Vec<f64>,
     /// Recorded torque less what moves the masses, N.m.
     pub measured: Vec<f64>,
     /// The fitted twin's less the same, N.m.
@@ -46,6 +54,7 @@ pub struct JointCurves {
 pub fn identification_report(report: &IdentificationReport<'_>) -> String {
     let mut sections = vec![
         Section::new("found", "What was found", lines(report.found)),
+        Section::new("torque", "Recorded torque and the fitted twin's", torque(report.joints)),
         Section::new("friction", "Torque over speed", friction(report.joints)),
         Section::new("residual", "What is left, and where", residuals(report.joints)),
     ];
@@ -62,8 +71,9 @@ pub fn identification_report(report: &IdentificationReport<'_>) -> String {
     };
     sections.push(Section::new("about", "Recordings, settings, version", about));
     let kind = format!("armtwin {} identify", env!("CARGO_PKG_VERSION"));
-    let picture = report.results.last().map_or(html! {}, chart);
-    Page { kind: &kind, answer: &answer(report), picture, sections }.html()
+    let picture = report.results.last().map_or(html! {}, bars);
+    let (answer, more) = answer(report);
+    Page { kind: &kind, answer: &answer, more: &more, picture, sections }.html()
 }
 
 /// The recording it is judged by: the check where there is one.
@@ -71,42 +81,57 @@ fn judged(j: &JointEstimate) -> &crate::identification::Goodness {
     j.check.as_ref().unwrap_or(&j.fit)
 }
 
-fn answer(report: &IdentificationReport<'_>) -> String {
-    let Some(result) = report.results.last() else { return "Nothing was fitted.".into() };
+/// How much is explained, and what is said of the parameters.
+fn answer(report: &IdentificationReport<'_>) -> (String, String) {
+    let Some(result) = report.results.last() else {
+        return ("Nothing was fitted.".into(), String::new());
+    };
     let shares = result.joints.iter().map(|j| judged(j).r2);
     let (low, high) = shares
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r2| (low.min(r2), high.max(r2)));
-    let all = || result.joints.iter().flat_map(|j| &j.parameters).chain(&result.arm);
-    let sure = all().filter(|p| p.identifiable).count();
     let checked = result.joints.iter().all(|j| j.check.is_some());
     let on = if checked { "a recording it was not fitted on" } else { "the recording itself" };
-    format!(
-        "{} explains {:.2} % to {:.2} % of what the torques of the moving joints vary by, on {on}; \
-         {sure} of {} parameters are determined by these data.",
-        result.method.to_uppercase(),
+    let answer = format!(
+        "The fitted twin explains {:.2} % to {:.2} % of what each joint's torque varies by, on {on}.",
         100.0 * low,
-        100.0 * high,
-        all().count()
-    )
+        100.0 * high
+    );
+    (answer, counted(result))
 }
 
-fn chart(result: &MethodResult) -> Markup {
-    let row = |j: &JointEstimate| {
-        let varies = (j.fit.mse_nm2 / (1.0 - j.fit.r2)).sqrt();
-        Row {
-            label: format!("joint {}", j.joint),
-            bar: Some(varies),
-            dots: vec![Some(j.fit.mse_nm2.sqrt()), j.check.map(|c| c.mse_nm2.sqrt())],
-        }
+/// How many parameters stand where.
+fn counted(result: &MethodResult) -> String {
+    let all = || result.joints.iter().flat_map(|j| &j.parameters).chain(&result.arm);
+    let count = |what: Standing| all().filter(|p| standing(p) == what).count();
+    let parts = [
+        (Standing::Shown, "differ from zero"),
+        (Standing::MayBeZero, "have an interval that holds zero, so that they may be absent"),
+        (Standing::Open, "are not determined by these data"),
+    ];
+    let said: Vec<String> = parts
+        .into_iter()
+        .map(|(what, words)| (count(what), words))
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, words)| format!("{n} {words}"))
+        .collect();
+    let method = result.method.to_uppercase();
+    format!("Of {} parameters, fitted by {method}, {}.", all().count(), said.join("; "))
+}
+
+/// What is left of every joint's torque, on both recordings.
+fn bars(result: &MethodResult) -> Markup {
+    let row = |j: &JointEstimate| Row {
+        label: format!("joint {}", j.joint),
+        values: vec![Some(j.fit.mse_nm2.sqrt()), j.check.map(|c| c.mse_nm2.sqrt())],
     };
-    Chart {
-        about: "What is left of every joint's torque, against what it varies by",
-        across: "torque, rms over the samples used, N.m",
-        bar: "torque",
-        dots: vec![("left, fit", BEFORE), ("left, check", AFTER)],
+    Bars {
+        about: "What is left of every joint's torque",
+        names: vec![
+            ("left on the recording fitted", BEFORE),
+            ("left on the check recording", AFTER),
+        ],
         rows: result.joints.iter().map(row).collect(),
-        caption: "What the fitted twin leaves of each joint's torque (dots), beside what that \
-                  torque varies by about its mean (grey). The scale is logarithmic.",
+        caption: "Recorded torque less the fitted twin's, root mean square in N.m.",
     }
     .markup()
 }
@@ -115,37 +140,67 @@ fn lines(lines: &[String]) -> Markup {
     html! { @for line in lines { p { (line) } } }
 }
 
+/// Torque of every joint over time, as recorded and as the fitted twin has it.
+fn torque(joints: &[JointCurves]) -> Markup {
+    if joints.is_empty() {
+        return html! {};
+    }
+    let half = Look { whole: false, ..OVER_TIME };
+    let panel = |c: &JointCurves| {
+        let whole = |rest: &[f64]| -> Vec<f64> {
+            c.masses.iter().zip(rest).map(|(m, rest)| m + rest).collect()
+        };
+        let line = |name: &str, colour, rest: &[f64]| {
+            line(name, colour, Drawn::Joined, over_time(&c.time, &whole(rest), c.step))
+        };
+        Panel {
+            title: format!("Joint {}", c.joint),
+            across: TIME,
+            up: ("torque / N.m", Scale::Linear),
+            lines: vec![
+                line("recorded", Colour::Measured, &c.measured),
+                line("fitted twin", Colour::After, &c.fitted),
+            ],
+            ..Panel::default()
+        }
+    };
+    html! {
+        p { "Gaps: the joint stands still. Drag across a plot to look closer, double-click to come back." }
+        (key(&TORQUE))
+        div.grid.two { @for c in joints { (plot(&panel(c), half)) } }
+    }
+}
+
+fn line(name: &str, colour: Colour, drawn: Drawn, points: Vec<(f64, f64)>) -> Line {
+    Line { label: name.into(), colour, drawn, points, band: Vec::new() }
+}
+
 fn friction(curves: &[JointCurves]) -> Markup {
     if curves.is_empty() {
         return html! {};
     }
     html! {
-        p { "Recorded torque less what it takes to move the masses, and the fitted twin's torque less the same." }
-        (key(&[("measured", MEASURED), ("fitted twin", AFTER)]))
-        div.grid { @for c in curves { (joint(c)) } }
+        p { "Recorded torque less what moves the masses, and the fitted twin's torque less the same." }
+        (key(&TORQUE))
+        div.grid { @for c in curves { (plot(&joint(c), Look::default())) } }
     }
 }
 
-/// So many points of all that a plot stays quick.
-fn points<'a>(name: &'a str, colour: &'static str, x: &[f64], y: &[f64]) -> Curve<'a> {
-    let step = x.len().div_ceil(MOST_POINTS).max(1);
-    let thin = |values: &[f64]| values.iter().step_by(step).copied().collect::<Vec<f64>>();
-    Curve { name, colour, x: thin(x), y: thin(y), drawn: Drawn::Points }
+fn points(name: &str, colour: Colour, x: &[f64], y: &[f64]) -> Line {
+    line(name, colour, Drawn::Points, every(x, y, MOST_POINTS))
 }
 
-fn joint(c: &JointCurves) -> Markup {
-    let curve = |name, colour, y: &[f64]| points(name, colour, &c.velocity, y);
-    Plot {
+fn joint(c: &JointCurves) -> Panel {
+    Panel {
         title: format!("Joint {}", c.joint),
-        across: "speed / (rad/s)",
-        up: "torque / N.m",
-        curves: vec![
-            curve("measured", MEASURED, &c.measured),
-            curve("fitted twin", AFTER, &c.fitted),
+        across: ("speed / (rad/s)", Scale::Linear),
+        up: ("torque / N.m", Scale::Linear),
+        lines: vec![
+            points("recorded", Colour::Measured, &c.velocity, &c.measured),
+            points("fitted twin", Colour::After, &c.velocity, &c.fitted),
         ],
-        ..Plot::default()
+        ..Panel::default()
     }
-    .markup()
 }
 
 /// What the fitted twin leaves, joint by joint; the joint with most of it is open.
@@ -167,37 +222,39 @@ fn residuals(joints: &[JointCurves]) -> Markup {
             @let residual = left(c);
             details open[rms(&residual) >= worst] {
                 summary { "Joint " (c.joint) }
-                div.grid.two { (over_time(c, &residual)) (over_motion(c, &residual)) }
+                div.grid.two {
+                    (plot(&left_over_time(c, &residual), OVER_TIME))
+                    @for panel in left_over_motion(c, &residual) { (plot(&panel, Look::default())) }
+                }
             }
         }
     }
 }
 
-fn over_time(c: &JointCurves, residual: &[f64]) -> Markup {
-    let [x, y] = with_gaps(&c.time, residual, c.step, 2 * MOST_POINTS);
-    Plot {
+fn left_over_time(c: &JointCurves, residual: &[f64]) -> Panel {
+    let points = over_time(&c.time, residual, c.step);
+    Panel {
         title: "over time".into(),
-        across: "time in the recording / s",
-        up: "residual / N.m",
-        curves: vec![Curve { name: "left", colour: AFTER, x, y, drawn: Drawn::Joined }],
-        whole: true,
-        ..Plot::default()
+        across: TIME,
+        up: ("residual / N.m", Scale::Linear),
+        lines: vec![line("left", Colour::After, Drawn::Joined, points)],
+        ..Panel::default()
     }
-    .markup()
 }
 
-fn over_motion(c: &JointCurves, residual: &[f64]) -> Markup {
-    let plot = |title: &str, across, x: &[f64]| Plot {
+fn left_over_motion(c: &JointCurves, residual: &[f64]) -> [Panel; 2] {
+    let panel = |(title, across, x): (&str, &'static str, &[f64])| Panel {
         title: title.into(),
-        across,
-        up: "residual / N.m",
-        curves: vec![points("left", AFTER, x, residual)],
-        ..Plot::default()
+        across: (across, Scale::Linear),
+        up: ("residual / N.m", Scale::Linear),
+        lines: vec![points("left", Colour::After, x, residual)],
+        ..Panel::default()
     };
-    html! {
-        (plot("over speed", "speed / (rad/s)", &c.velocity).markup())
-        (plot("over angle", "angle / rad", &c.position).markup())
-    }
+    [
+        ("over speed", "speed / (rad/s)", &c.velocity[..]),
+        ("over angle", "angle / rad", &c.position[..]),
+    ]
+    .map(panel)
 }
 
 fn parameters(result: &MethodResult) -> Markup {
@@ -208,10 +265,11 @@ fn parameters(result: &MethodResult) -> Markup {
     let arm = result.arm.iter().map(|p| ("arm".to_string(), p));
     let row = |(joint, p): (String, &ParameterEstimate)| {
         let [value, low, high] = to_uncertainty(p.value, p.low, p.high);
-        let remark = match (p.identifiable, p.at_bound) {
-            (false, _) => "not identifiable",
-            (true, true) => "at its bound",
-            (true, false) => "",
+        let remark = match (standing(p), p.at_bound) {
+            (Standing::Open, _) => "not determined",
+            (_, true) => "at its bound",
+            (Standing::MayBeZero, false) => "may be zero",
+            (Standing::Shown, false) => "",
         };
         let or_dash = |text: String| if p.identifiable { text } else { "-".into() };
         let bounds = format!("{} .. {}", p.bounds[0], p.bounds[1]);

@@ -1,24 +1,22 @@
-//! Interactive plots: drawn in the reader's browser, in the page's colours.
+//! Panels as interactive plots: drawn in the reader's browser, in the page's colours.
 
 use maud::{Markup, PreEscaped, html};
-use plotly::common::{DashType, ExponentFormat, Fill, Font, HoverInfo, Line, Marker, Mode, Title};
-use plotly::configuration::DisplayModeBar;
-use plotly::layout::{
-    Annotation, Axis, AxisRange, AxisType, HoverMode, Margin, Shape, ShapeLayer, ShapeLine,
-    ShapeType,
-};
-use plotly::{Configuration, Layout, Scatter};
+use serde_json::{Map, Value, json};
 
-/// Digits that are kept of a value: a plot is no data store.
-const DIGITS: i32 = 4;
+use super::scale::{axis, rounded};
+use crate::figure::{Colour, Drawn, Line, Panel, Shaded, thinned};
+
+/// Places along a line where the least and the largest value are kept.
+const PLACES: usize = 300;
 
 /// Colours by role: variables of the style sheet.
 pub const BEFORE: &str = "--before";
 pub const AFTER: &str = "--after";
 pub const MEASURED: &str = "--measured";
-const REGIME: &str = "--regime";
-/// What has no role is told apart by these.
-pub const SERIES: [&str; 10] = [
+pub const NOISE: &str = "--floor";
+/// What should be.
+pub const NOMINAL: &str = "--ink";
+const SERIES: [&str; 10] = [
     "--series-1",
     "--series-2",
     "--series-3",
@@ -30,64 +28,16 @@ pub const SERIES: [&str; 10] = [
     "--series-9",
     "--series-10",
 ];
-/// What should be.
-pub const NOMINAL: &str = "--ink";
 
-/// One set of points.
-pub struct Curve<'a> {
-    pub name: &'a str,
-    pub colour: &'static str,
-    pub x: Vec<f64>,
-    pub y: Vec<f64>,
-    pub drawn: Drawn,
-}
-
-/// How a curve is drawn. Lines have gaps where a value is not a number.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Drawn {
-    Points,
-    Joined,
-    /// Few points, joined.
-    Marked,
-    Dashed,
-}
-
-/// An area in a curve's colour, below the curves: its interval.
-pub struct Area {
-    pub colour: &'static str,
-    /// (x, y) once around.
-    pub outline: Vec<(f64, f64)>,
-}
-
-/// How numbers stand along an axis; plainly, as far as the points go, by default.
-#[derive(Default)]
-pub struct Scale {
-    pub log: bool,
-    /// First and last number.
-    pub range: Option<[f64; 2]>,
-    /// What is written where, in place of numbers.
-    pub ticks: Vec<(f64, String)>,
-}
-
-/// An interval on the horizontal axis.
-pub struct Band {
-    pub name: String,
-    pub from: f64,
-    pub to: f64,
-}
-
-#[derive(Default)]
-pub struct Plot<'a> {
-    pub title: String,
-    pub across: &'a str,
-    pub up: &'a str,
-    pub curves: Vec<Curve<'a>>,
-    pub areas: Vec<Area>,
-    pub bands: Vec<Band>,
-    /// Across and up.
-    pub scales: [Scale; 2],
+/// How a panel stands on the page.
+#[derive(Clone, Copy, Default)]
+pub struct Look<'a> {
+    /// Names of lines that are told apart by colour, in all panels beside each other.
+    pub names: &'a [&'a str],
     /// Is it as wide as the page, and lower?
     pub whole: bool,
+    /// Panels of one group show the same stretch of the horizontal axis.
+    pub group: Option<&'a str>,
 }
 
 /// What the colours of the plots mean.
@@ -101,202 +51,134 @@ pub fn key(entries: &[(&str, &str)]) -> Markup {
     }
 }
 
-impl Plot<'_> {
-    pub fn markup(&self) -> Markup {
-        let mut plot = plotly::Plot::new();
-        for area in &self.areas {
-            plot.add_trace(area.trace());
-        }
-        for curve in &self.curves {
-            plot.add_trace(curve.trace());
-        }
-        plot.set_layout(self.layout());
-        plot.set_configuration(
-            Configuration::new().responsive(true).display_mode_bar(DisplayModeBar::False),
-        );
-        // The text must not end the element it stands in.
-        let json = plot.to_json().replace("</", "<\\/");
-        let class = if self.whole { "plot low whole" } else { "plot" };
-        html! {
-            div class=(class) role="img" aria-label=(format!("{}: {} over {}", self.title, self.up, self.across)) {
+/// The style sheet's variable for a colour; `series` is the place of the line's name.
+pub fn variable(colour: Colour, series: usize) -> &'static str {
+    match colour {
+        Colour::ByName => SERIES[series % SERIES.len()],
+        Colour::Measured => MEASURED,
+        Colour::Before => BEFORE,
+        Colour::After => AFTER,
+    }
+}
+
+pub fn plot(panel: &Panel, look: Look<'_>) -> Markup {
+    // The text must not end the element it stands in.
+    let json = spec(panel, look.names).to_string().replace("</", "<\\/");
+    let class = if look.whole { "plot low" } else { "plot" };
+    let about = format!("{}: {} over {}", panel.title, panel.up.0, panel.across.0);
+    html! {
+        div.framed.whole[look.whole] {
+            p.plotted { (panel.title) }
+            div class=(class) role="img" aria-label=(about) data-group=[look.group] {
                 script type="application/json" { (PreEscaped(json)) }
                 div style="height:100%" {}
             }
         }
     }
-
-    fn layout(&self) -> Layout {
-        let [across, up] = &self.scales;
-        let title = Font::new().size(13).color("--ink");
-        Layout::new()
-            .title(Title::with_text(&self.title).font(title).x(0.0))
-            .font(Font::new().size(11).color("--ink"))
-            .paper_background_color("rgba(0,0,0,0)")
-            .plot_background_color("rgba(0,0,0,0)")
-            .margin(Margin::new().left(48).right(16).top(34).bottom(40))
-            .show_legend(false)
-            .hover_mode(HoverMode::Closest)
-            .x_axis(across.axis(self.across, across.range.or_else(|| self.extent())))
-            .y_axis(up.axis(self.up, up.range))
-            .shapes(self.bands.iter().map(Band::shape).collect())
-            .annotations(
-                self.bands.iter().filter(|b| !b.name.is_empty()).map(Band::label).collect(),
-            )
-    }
-
-    /// Range of the points, so that bands do not widen the plot; as the library counts along the axis.
-    fn extent(&self) -> Option<[f64; 2]> {
-        let values = self.curves.iter().flat_map(|c| &c.x).map(|x| self.scales[0].place(*x));
-        let (low, high) = values
-            .filter(|x| x.is_finite())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-        let room = 0.02 * (high - low);
-        (high > low).then(|| [rounded(low - room), rounded(high + room)])
-    }
 }
 
-impl Scale {
-    /// Where the library has a number along the axis.
-    fn place(&self, x: f64) -> f64 {
-        if self.log { x.log10() } else { x }
-    }
-
-    fn axis(&self, title: &str, range: Option<[f64; 2]>) -> Axis {
-        let font = Font::new().size(11).color("--quiet");
-        let mut axis = Axis::new()
-            .title(Title::with_text(title).font(font))
-            .grid_color("--line")
-            .zero_line_color("--line")
-            .line_color("--line")
-            .exponent_format(ExponentFormat::SmallE)
-            .auto_margin(true);
-        if self.log {
-            axis = axis.type_(AxisType::Log);
-        }
-        if let Some([low, high]) = range {
-            axis = axis.range(AxisRange::new(low, high));
-        }
-        if !self.ticks.is_empty() {
-            let (at, text) = self.ticks.iter().cloned().unzip();
-            axis = axis.tick_values(at).tick_text(text);
-        }
-        axis
-    }
-}
-
-/// A trace of short numbers.
-fn scatter(points: impl Iterator<Item = (f64, f64)>) -> Box<Scatter<f64, f64>> {
-    let (x, y): (Vec<f64>, Vec<f64>) = points.map(|(x, y)| (rounded(x), rounded(y))).unzip();
-    Scatter::new(x, y)
-}
-
-impl Curve<'_> {
-    fn trace(&self) -> Box<Scatter<f64, f64>> {
-        let points = self.x.iter().copied().zip(self.y.iter().copied());
-        let trace = scatter(points).name(self.name).connect_gaps(false);
-        let line = Line::new().color(self.colour);
-        let marker = Marker::new().color(self.colour);
-        match self.drawn {
-            Drawn::Points => trace.mode(Mode::Markers).marker(marker.size(4).opacity(0.55)),
-            Drawn::Joined => trace.mode(Mode::Lines).line(line.width(1.2)),
-            Drawn::Marked => {
-                trace.mode(Mode::LinesMarkers).line(line.width(1.6)).marker(marker.size(5))
-            }
-            Drawn::Dashed => trace.mode(Mode::Lines).line(line.width(1.0).dash(DashType::Dash)),
-        }
-    }
-}
-
-impl Area {
-    fn trace(&self) -> Box<Scatter<f64, f64>> {
-        scatter(self.outline.iter().copied())
-            .mode(Mode::Lines)
-            .line(Line::new().width(2.0).color(self.colour))
-            .fill(Fill::ToSelf)
-            .fill_color(self.colour)
-            .opacity(0.18)
-            .hover_info(HoverInfo::Skip)
-    }
-}
-
-impl Band {
-    fn shape(&self) -> Shape {
-        Shape::new()
-            .shape_type(ShapeType::Rect)
-            .layer(ShapeLayer::Below)
-            .x_ref("x")
-            .y_ref("paper")
-            .x0(rounded(self.from))
-            .x1(rounded(self.to))
-            .y0(0.0)
-            .y1(1.0)
-            .fill_color(REGIME)
-            .opacity(0.16)
-            .line(ShapeLine::new().width(0.0).dash(DashType::Solid))
-    }
-
-    fn label(&self) -> Annotation {
-        Annotation::new()
-            .text(&self.name)
-            .x_ref("x")
-            .y_ref("paper")
-            .x(rounded(0.5 * (self.from + self.to)))
-            .y(0.0)
-            .y_anchor(plotly::common::Anchor::Bottom)
-            .show_arrow(false)
-            .font(Font::new().size(10).color("--quiet"))
-    }
-}
-
-/// Least and largest value of each of `places` stretches of the same length, in the order they come:
-/// peaks stay.
-pub fn thinned(x: &[f64], y: &[f64], places: usize) -> [Vec<f64>; 2] {
-    let stretch = y.len().div_ceil(places.max(1)).max(1);
-    if stretch <= 2 {
-        return [x.to_vec(), y.to_vec()];
-    }
-    let kept = y.chunks(stretch).enumerate().flat_map(|(place, values)| {
-        let by_value = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
-        let least = (0..values.len()).min_by(by_value).unwrap_or(0);
-        let largest = (0..values.len()).max_by(by_value).unwrap_or(0);
-        [least.min(largest), least.max(largest)].map(|k| place * stretch + k)
+/// What the library is given: traces, layout, configuration.
+fn spec(panel: &Panel, names: &[&str]) -> Value {
+    let place = |line: &Line| names.iter().position(|n| *n == line.label).unwrap_or(0);
+    let lines = || panel.lines.iter().map(|line| (line, variable(line.colour, place(line))));
+    let mut traces: Vec<Value> = lines()
+        .filter(|(line, _)| !line.band.is_empty())
+        .map(|(line, colour)| band(panel, line, colour))
+        .collect();
+    traces.extend(lines().map(|(line, colour)| trace(panel, line, colour)));
+    traces.extend(nominal(panel));
+    let mut layout = json!({
+        "font": { "size": 11, "color": NOMINAL },
+        "paper_bgcolor": "rgba(0,0,0,0)",
+        "plot_bgcolor": "rgba(0,0,0,0)",
+        "margin": { "l": 48, "r": 10, "t": 8, "b": 38 },
+        "showlegend": false,
+        "hovermode": if panel.lines.iter().all(|l| l.drawn == Drawn::Points) { "closest" } else { "x unified" },
+        "hoverlabel": { "bgcolor": "--panel", "bordercolor": "--line", "font": { "color": NOMINAL } },
+        "xaxis": axis(panel, 0),
+        "yaxis": axis(panel, 1),
+        "shapes": panel.shaded.iter().map(shape).collect::<Vec<_>>(),
+        "annotations": panel.shaded.iter().filter(|s| !s.name.is_empty()).map(label).collect::<Vec<_>>(),
     });
-    let mut kept: Vec<usize> = kept.collect();
-    kept.dedup();
-    [x, y].map(|series| kept.iter().map(|k| series[*k]).collect())
+    if panel.equal {
+        layout["yaxis"]["scaleanchor"] = json!("x");
+    }
+    let config = json!({ "responsive": true, "displayModeBar": false });
+    json!({ "data": traces, "layout": layout, "config": config })
 }
 
-/// Rows in order of time, a NaN where some are further apart than `step`; of every so many one, so that
-/// `most` are left.
-pub fn with_gaps(time: &[f64], y: &[f64], step: f64, most: usize) -> [Vec<f64>; 2] {
-    let stride = time.len().div_ceil(most).max(1);
-    let mut out = [Vec::new(), Vec::new()];
-    let mut last: Option<f64> = None;
-    for (k, (&t, &y)) in time.iter().zip(y).enumerate() {
-        let gap = last.is_some_and(|last| t - last > 1.5 * step);
-        if gap {
-            out[0].push(t);
-            out[1].push(f64::NAN);
+fn trace(panel: &Panel, line: &Line, colour: &str) -> Value {
+    let points = match line.drawn {
+        Drawn::Points => line.points.clone(),
+        Drawn::Joined | Drawn::Marked => thinned(&line.points, PLACES),
+    };
+    let style = match line.drawn {
+        Drawn::Points => {
+            json!({ "mode": "markers", "marker": { "color": colour, "size": 4, "opacity": 0.55 } })
         }
-        if gap || k % stride == 0 {
-            out[0].push(t);
-            out[1].push(y);
+        // What was recorded is seen below what follows it.
+        Drawn::Joined => {
+            let width = if line.colour == Colour::Measured { 3.0 } else { 1.3 };
+            json!({ "mode": "lines", "line": { "color": colour, "width": width } })
         }
-        last = Some(t);
-    }
-    out
+        Drawn::Marked => json!({
+            "mode": "lines+markers",
+            "line": { "color": colour, "width": 1.6 },
+            "marker": { "color": colour, "size": 5 },
+        }),
+    };
+    scatter(panel.written(&points), json!({ "name": line.label }), style)
 }
 
-/// The number rounded to [`DIGITS`] digits.
-pub fn rounded(x: f64) -> f64 {
-    if x == 0.0 || !x.is_finite() {
-        return x;
+/// The interval of a line as an area in its colour.
+fn band(panel: &Panel, line: &Line, colour: &str) -> Value {
+    let low = line.band.iter().map(|b| (b.0, b.1));
+    let outline: Vec<(f64, f64)> = low.chain(line.band.iter().rev().map(|b| (b.0, b.2))).collect();
+    let style = json!({
+        "mode": "lines",
+        "line": { "color": colour, "width": 0 },
+        "fill": "toself",
+        "fillcolor": colour,
+        "opacity": 0.18,
+        "hoverinfo": "skip",
+    });
+    scatter(panel.written(&outline), json!({}), style)
+}
+
+fn nominal(panel: &Panel) -> Option<Value> {
+    let style =
+        json!({ "mode": "lines", "line": { "color": NOMINAL, "width": 1, "dash": "dash" } });
+    let points = panel.written(&panel.nominal);
+    (!points.is_empty()).then(|| scatter(points, json!({ "name": "what should be" }), style))
+}
+
+/// A trace of short numbers; gaps where y is none.
+fn scatter(points: Vec<(f64, f64)>, name: Value, style: Value) -> Value {
+    let (x, y): (Vec<f64>, Vec<f64>) =
+        points.into_iter().map(|(x, y)| (rounded(x), rounded(y))).unzip();
+    let mut trace = Map::new();
+    trace.extend([
+        ("type".into(), json!("scatter")),
+        ("x".into(), json!(x)),
+        ("y".into(), json!(y)),
+    ]);
+    for part in [name, style] {
+        trace.extend(part.as_object().cloned().unwrap_or_default());
     }
-    let scale = 10f64.powi(DIGITS - 1 - x.abs().log10().floor() as i32);
-    // Division by a power of ten comes out as the nearest short number.
-    if scale >= 1.0 {
-        (x * scale).round() / scale
-    } else {
-        (x * scale).round() * (1.0 / scale).round()
-    }
+    Value::Object(trace)
+}
+
+fn shape(s: &Shaded) -> Value {
+    json!({
+        "type": "rect", "layer": "below", "xref": "x", "yref": "paper",
+        "x0": rounded(s.from), "x1": rounded(s.to), "y0": 0, "y1": 1,
+        "fillcolor": "--regime", "opacity": 0.16, "line": { "width": 0 },
+    })
+}
+
+fn label(s: &Shaded) -> Value {
+    json!({
+        "text": s.name, "xref": "x", "yref": "paper", "x": rounded(0.5 * (s.from + s.to)), "y": 0,
+        "yanchor": "bottom", "showarrow": false, "font": { "size": 10, "color": "--quiet" },
+    })
 }

@@ -9,13 +9,11 @@
 
 mod alone;
 mod arm;
-mod chart;
 mod cost;
 mod diagnosis;
 mod grid;
 mod identification;
 mod motor;
-mod panel;
 mod parquet_file;
 mod run;
 mod stopwatch;
@@ -26,7 +24,6 @@ mod table;
 
 pub use alone::{Part, Spent, cell};
 pub use grid::{Cell, Method, Snr, System};
-pub use panel::{Figure, Line, Panel, Scale};
 pub use run::{Alone, Ran, run};
 pub use store::{Shard, Store, merge, tables};
 pub use study::{Question, Study};

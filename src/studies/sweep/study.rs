@@ -7,13 +7,13 @@ use serde::{Deserialize, Serialize};
 use super::grid::{Cell, Grid, Method, System};
 use crate::diagnosis;
 use crate::effects;
-use crate::identification::{PAPER_LAW, Terms, adaptive_metropolis, pso};
+use crate::files::sha256;
+use crate::identification::{BESIDE, PAPER_LAW, Terms, adaptive_metropolis, pso};
 use crate::limits::read_settings;
 use crate::motor;
 use crate::robot::builtin;
 use crate::simulation::Scenario;
 use crate::studies::StudyError;
-use crate::trials::sha256;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -65,7 +65,7 @@ pub struct Study {
 }
 
 fn usual_terms() -> Vec<String> {
-    PAPER_LAW.into_iter().chain(["rotor_inertia", "current_offset"]).map(String::from).collect()
+    PAPER_LAW.into_iter().chain(BESIDE).map(String::from).collect()
 }
 
 impl Study {

@@ -1,7 +1,7 @@
 //! The page: a row per criterion and direction.
 
 use super::Row;
-use crate::report::markdown_table;
+use crate::text::markdown_table;
 use crate::trials::Figure;
 
 /// Markdown; `command` made it, `made` says how its cases were.

@@ -1,5 +1,7 @@
 //! The seals opened: what the answers are worth.
 
+mod chapter;
+mod goals;
 mod judged;
 mod on_recordings;
 mod page;
@@ -12,10 +14,12 @@ mod tenths;
 #[cfg(test)]
 mod tests;
 
+pub use chapter::Chapter;
+pub use goals::{figures, goals};
 pub use judged::{Judged, JudgedParameter, judge};
-pub use page::{Chapter, page};
+pub use page::page;
 pub use printed::Printed;
-pub use rows::{Figure, Goal, figures, goals};
+pub use rows::{Figure, Goal};
 pub use share::Share;
 
 use std::fs;

@@ -1,15 +1,9 @@
 //! The report page.
 
+use super::chapter::Chapter;
+use super::goals::goals;
 use super::{Judged, Kind, on_recordings, tables, tenths};
-
-/// One trial of the page.
-#[derive(Debug, Clone)]
-pub struct Chapter {
-    pub title: String,
-    /// How the cases were made.
-    pub made: String,
-    pub cases: Vec<Judged>,
-}
+use crate::text::markdown_table;
 
 /// The page in Markdown; `command` made it.
 pub fn page(command: &str, chapters: &[Chapter]) -> String {
@@ -45,7 +39,7 @@ fn chapter(chapter: &Chapter) -> String {
         chapter.made,
         all.len(),
         kinds.join(", "),
-        tables::goals_table(all),
+        goals_table(all),
     );
     let parts = match on_recordings::are(all) {
         true => on_recordings::parts(all),
@@ -55,6 +49,15 @@ fn chapter(chapter: &Chapter) -> String {
         text += &format!("\n### {title}\n\n{table}");
     }
     text
+}
+
+fn goals_table(all: &[Judged]) -> String {
+    let met = |m: Option<bool>| m.map_or("-", |m| if m { "yes" } else { "no" }).to_string();
+    let rows: Vec<_> = goals(all)
+        .into_iter()
+        .map(|g| vec![g.figure.to_string(), g.found, g.goal.to_string(), met(g.met)])
+        .collect();
+    markdown_table(&["figure", "found", "goal", "met"], 1, &rows)
 }
 
 /// Titles and tables of a trial of simulated cases.

@@ -1,8 +1,8 @@
-//! Figures over many cases, and the goals they are held against.
+//! What figures over many cases are made of.
 
 use serde::Serialize;
 
-use super::{Judged, JudgedParameter, Kind, Share, on_recordings};
+use super::{Judged, JudgedParameter, Kind, Share};
 
 /// Strengths cases are drawn at; others count to the nearest by ratio.
 pub const LEVELS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
@@ -51,21 +51,21 @@ pub fn plain(all: &[Judged]) -> Vec<&Judged> {
 }
 
 /// Cases with one or two effects of the catalogue.
-fn catalogue(all: &[Judged]) -> Vec<&Judged> {
+pub fn catalogue(all: &[Judged]) -> Vec<&Judged> {
     all.iter().filter(|j| matches!(j.kind, Kind::Single | Kind::Pair)).collect()
 }
 
 /// Cases with an effect that the answerer has no name for, at a strength of 1 and above.
-fn outside(all: &[Judged]) -> Vec<&Judged> {
+pub fn outside(all: &[Judged]) -> Vec<&Judged> {
     let outside = |j: &&Judged| matches!(j.kind, Kind::Withheld | Kind::Foreign);
     all.iter().filter(outside).filter(|j| strong(j)).collect()
 }
 
-fn count(cases: &[&Judged], hit: fn(&Judged) -> bool) -> Share {
+pub fn count(cases: &[&Judged], hit: fn(&Judged) -> bool) -> Share {
     Share::count(cases.iter().copied(), hit)
 }
 
-fn strong(judged: &Judged) -> bool {
+pub fn strong(judged: &Judged) -> bool {
     level(judged.strength) >= 1
 }
 
@@ -100,104 +100,4 @@ pub fn coverage(all: &[Judged]) -> Share {
 pub fn of_oracle<'a>(cases: impl IntoIterator<Item = &'a Judged>) -> Vec<f64> {
     let ratio = |j: &Judged| Some(j.realised? / j.oracle.filter(|o| *o > 0.05)?);
     cases.into_iter().filter(|j| !j.causes.is_empty()).filter_map(ratio).collect()
-}
-
-/// The figures of the project's goals.
-pub fn goals(all: &[Judged]) -> Vec<Goal> {
-    match on_recordings::are(all) {
-        true => on_recordings::goals(all),
-        false => of_simulated(all),
-    }
-}
-
-/// The few figures that say most.
-pub fn figures(all: &[Judged]) -> Vec<Figure> {
-    if on_recordings::are(all) {
-        return on_recordings::figures(all);
-    }
-    let (plain, clean, outside) = (plain(all), of(all, Kind::Clean), outside(all));
-    let diagnosed = all.iter().filter(|j| j.verdict.is_some()).count();
-    vec![
-        Figure::share("top-1, set", count(&plain, |j| j.top1_set)),
-        Figure::share("top-1 exactly", count(&plain, |j| j.top1)),
-        Figure::share("wrong name", count(&catalogue(all), |j| j.wrong)),
-        Figure::share("false alarms", count(&clean, |j| !j.causes.is_empty())),
-        Figure::share("unknown or a stand-in", count(&outside, |j| j.abstained || j.stands_in())),
-        Figure { name: "Brier score", value: brier(all), cases: diagnosed },
-    ]
-}
-
-fn of_simulated(all: &[Judged]) -> Vec<Goal> {
-    let (plain, clean) = (plain(all), of(all, Kind::Clean));
-    let (catalogue, outside) = (catalogue(all), outside(all));
-    let pairs: Vec<&Judged> = of(all, Kind::Pair).into_iter().filter(|j| strong(j)).collect();
-    let at_least = |figure, share: Share, least: f64, goal| Goal {
-        figure,
-        found: share.to_string(),
-        goal,
-        met: share.value().map(|v| v >= least),
-    };
-    let at_most = |figure, share: Share, most: f64, goal| Goal {
-        figure,
-        found: share.to_string(),
-        goal,
-        met: share.value().map(|v| v <= most),
-    };
-    let number = |figure, value: Option<f64>, range: std::ops::RangeInclusive<f64>, goal| Goal {
-        figure,
-        found: value.map_or("-".into(), |v| format!("{v:.3}")),
-        goal,
-        met: value.map(|v| range.contains(&v)),
-    };
-    let covered = coverage(all);
-    let ratios = of_oracle(plain.iter().copied().filter(|j| j.top1_set));
-    vec![
-        at_least("top-1 within the set", count(&plain, |j| j.top1_set), 0.95, "at least .95"),
-        number(
-            "mean size of the set",
-            mean_set_size(plain.iter().copied()),
-            0.0..=1.3,
-            "at most 1.3",
-        ),
-        at_least("top-1 exactly", count(&plain, |j| j.top1), 0.9, "at least .90"),
-        at_least("joint", count(&plain, |j| j.joint), 0.95, "at least .95"),
-        at_most(
-            "false alarms, clean",
-            count(&clean, |j| !j.causes.is_empty()),
-            0.02,
-            "at most .02",
-        ),
-        at_most("wrong name, catalogue cases", count(&catalogue, |j| j.wrong), 0.02, "at most .02"),
-        at_least(
-            "unknown, withheld and foreign",
-            count(&outside, |j| j.abstained),
-            0.9,
-            "at least .90",
-        ),
-        Goal {
-            figure: "unknown or a stand-in, of these",
-            found: count(&outside, |j| j.abstained || j.stands_in()).to_string(),
-            goal: "no goal",
-            met: None,
-        },
-        number("Brier score, all cases", brier(all), 0.0..=0.08, "at most .08"),
-        Goal {
-            figure: "90 % intervals that cover",
-            found: covered.to_string(),
-            goal: ".85 to .95",
-            met: covered.value().map(|v| (0.85..=0.95).contains(&v)),
-        },
-        number(
-            "realised shrink over oracle's, median",
-            median(ratios.iter().copied()),
-            0.95..=f64::INFINITY,
-            "at least .95",
-        ),
-        at_least(
-            "pairs, both named within sets",
-            count(&pairs, |j| j.all_set),
-            0.75,
-            "at least .75",
-        ),
-    ]
 }

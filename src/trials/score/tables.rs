@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::rows::{LEVELS, brier, goals, level, mean, mean_set_size, median, of, of_oracle};
+use super::rows::{LEVELS, brier, level, mean, mean_set_size, median, of, of_oracle};
 use super::{Judged, Kind, Share};
 use crate::diagnosis::Named;
-use crate::report::markdown_table;
+use crate::text::markdown_table;
 use crate::trials::Method;
 
 fn share(cases: &[&Judged], hit: impl Fn(&Judged) -> bool) -> String {
@@ -14,15 +14,6 @@ fn share(cases: &[&Judged], hit: impl Fn(&Judged) -> bool) -> String {
 
 fn number(value: Option<f64>) -> String {
     value.map_or("-".into(), |v| format!("{v:.2}"))
-}
-
-pub fn goals_table(all: &[Judged]) -> String {
-    let met = |m: Option<bool>| m.map_or("-", |m| if m { "yes" } else { "no" }).to_string();
-    let rows: Vec<_> = goals(all)
-        .into_iter()
-        .map(|g| vec![g.figure.to_string(), g.found, g.goal.to_string(), met(g.met)])
-        .collect();
-    markdown_table(&["figure", "found", "goal", "met"], 1, &rows)
 }
 
 /// Table by strength of cases with a single effect of the catalogue.

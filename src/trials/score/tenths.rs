@@ -1,9 +1,9 @@
 //! Do printed probabilities mean what they say? Over all chapters, by tenths.
 
-use super::page::Chapter;
+use super::chapter::Chapter;
 use super::rows::mean;
 use super::{Printed, Share};
-use crate::report::markdown_table;
+use crate::text::markdown_table;
 
 /// Causes a tenth needs before it is held against its frequency, and how far it may be off.
 const FEWEST: usize = 30;

@@ -1,7 +1,8 @@
 //! Hand-made answers, judged.
 
+use super::goals::goals;
 use super::judged::judge;
-use super::rows::{brier, coverage, goals, level, of_oracle};
+use super::rows::{brier, coverage, level, of_oracle};
 use super::{Judged, Share};
 use crate::diagnosis::{
     Cause, Checked, Criteria, Diagnosis, Gap, Named, Ranked, Settings, Shrink, Unexplained, Value,

@@ -6,6 +6,7 @@
 mod address;
 mod comparing;
 mod moving;
+mod watching;
 
 use std::thread;
 use std::time::Duration;
@@ -16,6 +17,7 @@ use rerun::{RecordingStream, RecordingStreamBuilder};
 pub use address::{Address, Server};
 pub use comparing::Comparing;
 pub use moving::Moving;
+pub use watching::{Watched, Watching};
 
 use super::blueprint::{self, Node};
 use super::scene::APPLICATION;

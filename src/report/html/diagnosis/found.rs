@@ -47,12 +47,9 @@ pub fn ranking(ranking: &[Ranked]) -> Markup {
     let (shown, rest) = rows::ranked(ranking);
     html! {
         (table(&rows::CANDIDATES, 2, shown.into_iter().map(rows::candidate)))
-        p.legend {
-            "gain: in log-likelihood over the twin, on the recording searched and on the other. "
-            "none: chance. unknown: a cause that is not in the catalogue. Probabilities sum to 1."
-        }
+        p.legend { (sentence(rows::EVIDENCE)) }
         @if !rest.is_empty() {
-            details {
+            details.screen {
                 summary { (rest.len()) " more" }
                 (table(&rows::CANDIDATES, 2, rest.iter().copied().map(rows::candidate)))
             }
@@ -71,10 +68,9 @@ pub fn episodes(d: &Diagnosis) -> Markup {
 }
 
 pub fn shrink(d: &Diagnosis) -> Markup {
-    let above = words::percent(d.shrink.torque.reducible);
     html! {
+        p { (sentence(&words::above_noise(d))) }
         (table(&rows::TORQUE, 1, rows::torque(d)))
-        p { "Of what lies above the noise floor: " (above) "." }
         @if let Some(s) = &d.shrink.simulation { (table(&rows::SIMULATED, 1, rows::simulated(s))) }
     }
 }

@@ -15,7 +15,7 @@ pub fn tables(d: &Diagnosis, traces: &Traces) -> Markup {
         }
         @for joint in &d.gap.joints {
             details open[joint.share > 0.3] {
-                summary { "Joint " (joint.joint) " by regime" }
+                summary { "Joint " (joint.joint) " by kind of motion" }
                 (regimes(joint, traces.joints.iter().find(|t| t.joint == joint.joint)))
             }
         }
@@ -35,8 +35,15 @@ fn regimes(joint: &JointGap, traces: Option<&JointTraces>) -> Markup {
             words::percent(r.time_fraction),
         ]
     };
-    let header =
-        ["regime", "before N.m", "90 % low", "high", "after N.m", "noise floor N.m", "of the time"];
+    let header = [
+        "kind of motion",
+        "before N.m",
+        "90 % low",
+        "high",
+        "after N.m",
+        "noise floor N.m",
+        "of the time",
+    ];
     table(&header, 1, joint.regimes.iter().map(row))
 }
 

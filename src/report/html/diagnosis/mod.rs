@@ -6,9 +6,9 @@ mod plots;
 
 use maud::{Markup, html};
 
-use super::chart::{Chart, Row};
+use super::bars::{Bars, Row};
 use super::frame::{Fact, Page, Section, facts};
-use super::plot::{AFTER, BEFORE};
+use super::plot::{AFTER, BEFORE, NOISE};
 use super::table::{explained, table};
 use crate::diagnosis::{Diagnosis, JointGap, Traces, by_reason, words};
 use crate::report::diagnosis as rows;
@@ -26,6 +26,7 @@ pub struct DiagnosisReport<'a> {
 pub fn diagnosis_report(report: &DiagnosisReport<'_>) -> String {
     let d = report.diagnosis;
     let sections = vec![
+        Section::new("torque", "Recorded torque and the twin's", plots::torque(report.traces)),
         Section::new("causes", "Which effect: causes, what takes most off first", found::causes(d)),
         Section::new("gap", "Where the twin differs", gap::tables(d, report.traces)),
         Section::new("friction", "Torque over speed", plots::friction(report.traces)),
@@ -40,35 +41,33 @@ pub fn diagnosis_report(report: &DiagnosisReport<'_>) -> String {
         Section::new("about", "Recordings, settings, version", about(report)),
     ];
     let kind = format!("armtwin {} diagnose", d.armtwin);
-    let answer = words::sentence(d);
-    Page { kind: &kind, answer: &answer, picture: gap_chart(d), sections }.html()
+    let (answer, more) = (words::headline(d), words::further(d));
+    let picture = html! { (plots::first(d, report.traces)) (gap_bars(d)) };
+    Page { kind: &kind, answer: &answer, more: &more, picture, sections }.html()
 }
 
-/// The gap of every joint before and after, against the noise floor.
-fn gap_chart(d: &Diagnosis) -> Markup {
+/// The gap of every joint before and after, beside the noise floor.
+fn gap_bars(d: &Diagnosis) -> Markup {
     let mended = !d.causes.is_empty();
     let after = |joint: usize| {
         let found = d.shrink.torque.joints.iter().find(|j| j.joint == joint);
         found.map(|j| j.after_nm)
     };
-    let row = |j: &JointGap| Row {
-        label: format!("joint {}", j.joint),
-        bar: Some(j.noise_floor_nm),
-        dots: match mended {
-            true => vec![Some(j.rms_nm), after(j.joint)],
-            false => vec![Some(j.rms_nm)],
-        },
+    let row = |j: &JointGap| {
+        let mut values = vec![Some(j.rms_nm)];
+        values.extend(mended.then(|| after(j.joint)));
+        values.push(Some(j.noise_floor_nm));
+        Row { label: format!("joint {}", j.joint), values }
     };
-    let mut dots = vec![("twin as given", BEFORE)];
-    dots.extend(mended.then_some(("mended twin", AFTER)));
-    Chart {
-        about: "Gap of every joint before and after, against the noise floor",
-        across: "recorded torque less the twin's, rms on the check recording, N.m",
-        bar: "noise",
-        dots,
+    let mut names = vec![("twin as given", BEFORE)];
+    names.extend(mended.then_some(("mended twin", AFTER)));
+    names.push(("noise alone", NOISE));
+    Bars {
+        about: "Gap of every joint before and after, beside the noise floor",
+        names,
         rows: d.gap.joints.iter().map(row).collect(),
-        caption: "How far the twin is from the arm at each joint, and how far it would be by the \
-                  sensors' noise alone (grey). The scale is logarithmic.",
+        caption: "Recorded less predicted torque on the check recording, root mean square in N.m. \"Noise \
+                  alone\" is what a perfect twin would leave.",
     }
     .markup()
 }

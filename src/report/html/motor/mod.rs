@@ -4,10 +4,11 @@ mod over_time;
 
 use maud::{Markup, html};
 
-use super::chart::{Chart, Row};
+use super::bars::{Bars, Row};
 use super::frame::{Fact, Page, Section, facts};
-use super::plot::{AFTER, BEFORE, Curve, Drawn, MEASURED, Plot, key};
+use super::plot::{AFTER, BEFORE, Look, MEASURED, NOISE, key, plot};
 use super::table::table;
+use crate::figure::{Colour, Drawn, Line, Panel, Scale};
 use crate::motor::model::{COUNT, Motor};
 use crate::motor::render::{self, Grid};
 use crate::motor::report::{MethodReport, ScenarioReport};
@@ -15,7 +16,9 @@ use crate::motor::series::Series;
 
 /// Points of a friction curve.
 const POINTS: usize = 120;
-const COLOURS: [&str; 2] = [BEFORE, AFTER];
+/// One per method.
+const COLOURS: [Colour; 2] = [Colour::Before, Colour::After];
+const VARIABLES: [&str; 2] = [BEFORE, AFTER];
 /// A section needs a name that a link can end in.
 const IDS: [&str; 4] = ["scenario-1", "scenario-2", "scenario-3", "scenario-4"];
 
@@ -44,8 +47,8 @@ pub fn motor_report(reports: &[ScenarioReport], series: &[[Series; 2]]) -> Strin
     };
     sections.push(Section::new("about", "Settings, version", about));
     let kind = format!("armtwin {} motor", env!("CARGO_PKG_VERSION"));
-    let picture = html! { @for r in reports { (chart(r)) } };
-    Page { kind: &kind, answer: &answer(reports), picture, sections }.html()
+    let picture = html! { @for r in reports { (bars(r)) } };
+    Page { kind: &kind, answer: &answer(reports), more: "", picture, sections }.html()
 }
 
 fn answer(reports: &[ScenarioReport]) -> String {
@@ -68,26 +71,26 @@ fn answer(reports: &[ScenarioReport]) -> String {
     text + "."
 }
 
-fn chart(r: &ScenarioReport) -> Markup {
+/// Errors of the parameters that have an interval.
+fn bars(r: &ScenarioReport) -> Markup {
     let Some(last) = r.methods.last() else { return html! {} };
+    let known = |k: &usize| !last.parameters[*k].given && last.parameters[*k].identifiable;
     let row = |k: usize| {
         let p = &last.parameters[k];
         let half = 50.0 * (p.high - p.low) / p.truth.abs();
-        Row {
-            label: p.name.into(),
-            bar: Some(half).filter(|h| h.is_finite()),
-            dots: r.methods.iter().map(|m| m.parameters[k].error_percent.map(f64::abs)).collect(),
-        }
+        let errors = r.methods.iter().map(|m| m.parameters[k].error_percent.map(f64::abs));
+        Row { label: p.name.into(), values: errors.chain([Some(half)]).collect() }
     };
-    Chart {
-        about: "Error of every parameter, against its interval",
-        across: "error, % of the truth",
-        bar: "half of the 99 % interval",
-        dots: r.methods.iter().map(|m| m.method).zip(COLOURS).collect(),
-        rows: (0..COUNT).filter(|&k| !last.parameters[k].given).map(row).collect(),
+    let mut names: Vec<(&str, &'static str)> =
+        r.methods.iter().map(|m| m.method).zip(VARIABLES).collect();
+    names.push(("half of the 99 % interval", NOISE));
+    Bars {
+        about: "Error of every parameter, beside its interval",
+        names,
+        rows: (0..COUNT).filter(known).map(row).collect(),
         caption: &format!(
-            "Scenario {}: how far each estimate is from the truth. No grey bar: no interval is \
-             given, because the data do not determine the parameter. The scale is logarithmic.",
+            "Scenario {}: how far each estimate is from the truth, in % of the truth. Parameters that \
+             the data do not determine have no interval and are left out.",
             r.scenario
         ),
     }
@@ -119,21 +122,26 @@ fn friction(r: &ScenarioReport, top: f64) -> Markup {
     let values = |m: &MethodReport| std::array::from_fn(|k| m.parameters[k].value);
     let Some(first) = r.methods.first() else { return html! {} };
     let truth = std::array::from_fn(|k| first.parameters[k].truth);
-    let drawn = Drawn::Joined;
-    let curve = |name, colour, y| Curve { name, colour, x: speeds.clone(), y, drawn };
-    let mut curves = vec![curve("truth", MEASURED, law(truth))];
-    let mut names = vec![("truth", MEASURED)];
-    for (m, colour) in r.methods.iter().zip(COLOURS) {
-        curves.push(curve(m.method, colour, law(values(m))));
-        names.push((m.method, colour));
-    }
-    let plot = Plot {
-        title: "Friction over speed".into(),
-        across: "speed / (rad/s)",
-        up: "torque / N.m",
-        curves,
-        whole: true,
-        ..Plot::default()
+    let line = |label: &str, colour, y: Vec<f64>| Line {
+        label: label.into(),
+        colour,
+        drawn: Drawn::Joined,
+        points: speeds.iter().copied().zip(y).collect(),
+        band: Vec::new(),
     };
-    html! { (key(&names)) div.grid { (plot.markup()) } }
+    let mut lines = vec![line("truth", Colour::Measured, law(truth))];
+    let mut names = vec![("truth", MEASURED)];
+    for ((m, colour), variable) in r.methods.iter().zip(COLOURS).zip(VARIABLES) {
+        lines.push(line(m.method, colour, law(values(m))));
+        names.push((m.method, variable));
+    }
+    let panel = Panel {
+        title: "Friction over speed".into(),
+        across: ("speed / (rad/s)", Scale::Linear),
+        up: ("torque / N.m", Scale::Linear),
+        lines,
+        ..Panel::default()
+    };
+    let look = Look { whole: true, ..Look::default() };
+    html! { (key(&names)) div.grid { (plot(&panel, look)) } }
 }

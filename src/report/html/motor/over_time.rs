@@ -2,12 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::super::plot::{Curve, Drawn, MEASURED, Plot, key, thinned};
-use super::COLOURS;
+use super::super::plot::{Look, MEASURED, key, plot};
+use super::{COLOURS, VARIABLES};
+use crate::figure::{Colour, Drawn, Line, Panel, Scale};
 use crate::motor::series::{Series, Signals};
-
-/// Places along a plot where the least and the largest value are kept.
-const PLACES: usize = 600;
 
 /// What is shown: its name, its unit, its symbol, and where it is found.
 type Quantity = (&'static str, &'static str, fn(&Signals) -> &[f64]);
@@ -20,7 +18,7 @@ const QUANTITIES: [Quantity; 3] = [
 pub fn section(all: &[Series; 2]) -> Markup {
     let methods: Vec<&str> = all[0].calculated.iter().map(|(name, _)| *name).collect();
     let mut names = vec![("measured", MEASURED)];
-    names.extend(methods.iter().copied().zip(COLOURS));
+    names.extend(methods.iter().copied().zip(VARIABLES));
     html! {
         h3 { "Over time" }
         p.legend {
@@ -39,25 +37,27 @@ pub fn section(all: &[Series; 2]) -> Markup {
 }
 
 fn plots(s: &Series) -> Markup {
-    let voltage = vec![line(s, "voltage", MEASURED, &s.voltage)];
+    // Both recordings have a scale of their own.
+    let half = Look { group: Some(s.recording), ..Look::default() };
+    let voltage = panel("Voltage", "V", vec![line(s, "voltage", Colour::Measured, &s.voltage)]);
     html! {
-        (plot("Voltage", "V", true, voltage))
+        (plot(&voltage, Look { whole: true, ..half }))
         @for (title, unit, of) in QUANTITIES {
-            (plot(title, unit, false, values(s, of)))
-            (plot(&format!("{title}: error"), unit, false, errors(s, of)))
+            (plot(&panel(title, unit, values(s, of)), half))
+            (plot(&panel(&format!("{title}: error"), unit, errors(s, of)), half))
         }
     }
 }
 
-fn values(s: &Series, of: fn(&Signals) -> &[f64]) -> Vec<Curve<'_>> {
-    let measured = line(s, "measured", MEASURED, of(&s.measured));
+fn values(s: &Series, of: fn(&Signals) -> &[f64]) -> Vec<Line> {
+    let measured = line(s, "measured", Colour::Measured, of(&s.measured));
     let calculated = s.calculated.iter().zip(COLOURS);
     let calculated = calculated.map(|((method, c), colour)| line(s, method, colour, of(c)));
     std::iter::once(measured).chain(calculated).collect()
 }
 
 /// Measured less calculated.
-fn errors(s: &Series, of: fn(&Signals) -> &[f64]) -> Vec<Curve<'_>> {
+fn errors(s: &Series, of: fn(&Signals) -> &[f64]) -> Vec<Line> {
     let error = |c: &Signals| -> Vec<f64> {
         of(&s.measured).iter().zip(of(c)).map(|(measured, c)| measured - c).collect()
     };
@@ -65,12 +65,17 @@ fn errors(s: &Series, of: fn(&Signals) -> &[f64]) -> Vec<Curve<'_>> {
     calculated.map(|((method, c), colour)| line(s, method, colour, &error(c))).collect()
 }
 
-fn line<'a>(s: &Series, name: &'a str, colour: &'static str, y: &[f64]) -> Curve<'a> {
-    let [x, y] = thinned(&s.time, y, PLACES);
-    Curve { name, colour, x, y, drawn: Drawn::Joined }
+fn line(s: &Series, name: &str, colour: Colour, y: &[f64]) -> Line {
+    let points = s.time.iter().copied().zip(y.iter().copied()).collect();
+    Line { label: name.into(), colour, drawn: Drawn::Joined, points, band: Vec::new() }
 }
 
-fn plot(title: &str, unit: &str, whole: bool, curves: Vec<Curve<'_>>) -> Markup {
-    let title = title.to_string();
-    Plot { title, across: "time / s", up: unit, curves, whole, ..Plot::default() }.markup()
+fn panel(title: &str, unit: &'static str, lines: Vec<Line>) -> Panel {
+    Panel {
+        title: title.into(),
+        across: ("time / s", Scale::Linear),
+        up: (unit, Scale::Linear),
+        lines,
+        ..Panel::default()
+    }
 }

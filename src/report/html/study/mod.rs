@@ -8,10 +8,11 @@ use maud::{Markup, PreEscaped};
 use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd};
 
 use super::frame::{self, Section};
+use crate::figure::Figure;
 use crate::studies::StudyError;
-use crate::studies::sweep::{Figure, Page};
+use crate::studies::sweep::Page;
 
-/// The whole file: the first finding and its picture, then the summary with plots for its figures.
+/// The whole file: the headline and its picture, then the summary with plots for its figures.
 ///
 /// # Errors
 /// If a figure cannot be drawn for readers without scripts.
@@ -20,15 +21,14 @@ pub fn study_report(page: &Page) -> Result<String, StudyError> {
     let events: Vec<Event<'_>> = parser.flat_map(shown).collect();
     let events = with_plots(&events, &page.figures)?;
     let title = plain(&events, |e| matches!(e, Event::End(TagEnd::Heading(_))));
-    let first = events.iter().position(|e| matches!(e, Event::Start(Tag::Item)));
-    let answer = first.map(|at| plain(&events[at..], |e| matches!(e, Event::End(TagEnd::Item))));
     let picture = page.picture.as_ref().map(|panel| {
         let panels = vec![panel.clone()];
-        panels::figure(&Figure { file: String::new(), caption: String::new(), panels, columns: 1 })
+        panels::figure(&Figure { panels, columns: 1, ..Figure::default() })
     });
     Ok(frame::Page {
         kind: &format!("armtwin {} study: {title}", env!("CARGO_PKG_VERSION")),
-        answer: answer.as_deref().unwrap_or(&title),
+        answer: &page.headline,
+        more: "",
         picture: picture.transpose()?.unwrap_or_default(),
         sections: chapters(&events).into_iter().map(|range| section(&events[range])).collect(),
     }
@@ -120,7 +120,8 @@ fn section(events: &[Event<'_>]) -> Section {
 #[cfg(test)]
 mod tests {
     use super::study_report;
-    use crate::studies::sweep::{Figure, Line, Page, Panel, Scale};
+    use crate::figure::{Figure, Line, Panel, Scale};
+    use crate::studies::sweep::Page;
 
     fn panel(title: &str) -> Panel {
         let points = vec![(10.0, 0.01), (20.0, 0.1), (f64::INFINITY, 1.0)];
@@ -129,8 +130,9 @@ mod tests {
             title: title.into(),
             across: ("SNR, dB", Scale::Decibel),
             up: ("error, %", Scale::Log),
-            lines: vec![Line { label: "a & b".into(), points, band }],
+            lines: vec![Line { label: "a & b".into(), points, band, ..Line::default() }],
             nominal: vec![(10.0, 0.2), (20.0, 0.2)],
+            ..Panel::default()
         }
     }
 
@@ -140,19 +142,27 @@ mod tests {
                     ## The arm\n\n| a | b |\n| --- | ---: |\n| 1 | 2 |\n\n![errors](e.svg)\n\nEnd.\n";
         let panels = vec![panel("one"), panel("two")];
         let figure = Figure { file: "e.svg".into(), caption: "errors".into(), panels, columns: 2 };
-        let page = Page { text: text.into(), picture: Some(panel("first")), figures: vec![figure] };
+        let headline = "Found & told.".into();
+        let page = Page {
+            headline,
+            text: text.into(),
+            picture: Some(panel("first")),
+            figures: vec![figure],
+        };
         let page = study_report(&page).unwrap();
-        assert!(page.contains("<h1>Found: all of it.</h1>"));
+        assert!(
+            page.contains("<h1>Found &amp; told.</h1>") && page.contains("<code>all</code> of it")
+        );
         assert!(page.contains("<section id=\"the-arm\">") && page.contains("<td>1</td>"));
-        let own = page.split("* plotly.js v").next().unwrap();
+        let own = page.split("* plotly.js (basic").next().unwrap();
         assert!(!own.contains("<b>") && !own.contains("e.svg") && own.contains("<p>End.</p>"));
-        assert_eq!(own.matches("class=\"plot").count(), 3, "at the top, and two panels");
+        assert_eq!(own.matches("<div class=\"plot").count(), 3, "at the top, and two panels");
         assert_eq!(own.matches("<noscript><img src=\"data:image/svg+xml").count(), 2, "for both");
         let trace = "\"x\":[10.0,20.0,30.0],\"y\":[0.01,0.1,1.0]";
         assert_eq!(own.matches(trace).count(), 3, "no noise stands 10 dB on");
         let area = "[10.0,20.0,30.0,30.0,20.0,10.0],\"y\":[0.005,0.05,0.5,2.0,0.2,0.02]";
         assert_eq!(own.matches(area).count(), 3, "intervals");
-        let ticks = "\"tickvals\":[10.0,20.0,30.0],\"ticktext\":[\"10\",\"20\",\"none\"]";
+        let ticks = "\"ticktext\":[\"10\",\"20\",\"none\"],\"tickvals\":[10.0,20.0,30.0]";
         assert_eq!(own.matches(ticks).count(), 3);
         assert_eq!(own.matches("\"type\":\"log\"").count(), 3);
     }

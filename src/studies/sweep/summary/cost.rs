@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use super::seen::in_order;
 use super::{Page, distinct, quantile};
-use crate::report::markdown_table;
-use crate::studies::sweep::chart::digits;
-use crate::studies::sweep::panel::{Figure, Line, Panel, Scale};
+use crate::figure::{Figure, Line, Panel, Scale};
+use crate::numbers::digits;
 use crate::studies::sweep::study::Study;
 use crate::studies::sweep::table::Table;
+use crate::text::markdown_table;
 
 /// More samples of a longer motion, and of the same at a higher rate.
 const LONGER: &str = "samples (duration)";
@@ -82,7 +82,29 @@ pub fn page(study: &Study, cells: &Table, timings: &Table) -> Page {
          ![Memory](memory.svg)\n",
         markdown_table(&header, 2, &rows)
     );
-    Page { text, picture: figures[0].panels.first().cloned(), figures }
+    let headline = headline(&growths);
+    Page { headline, text, picture: figures[0].panels.first().cloned(), figures }
+}
+
+/// What takes longest, in plain words.
+fn headline(growths: &[Growth]) -> String {
+    let last = |g: &Growth| g.points.last().copied().filter(|p| p.1.is_finite());
+    let ends: Vec<(&Growth, (f64, f64, f64))> =
+        growths.iter().filter_map(|g| Some((g, last(g)?))).collect();
+    let longest = ends.iter().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
+    let hungriest = ends.iter().max_by(|a, b| a.1.2.total_cmp(&b.1.2));
+    let (Some((slow, (x, seconds, _))), Some((large, (_, _, megabytes)))) = (longest, hungriest)
+    else {
+        return "Nothing was measured.".into();
+    };
+    format!(
+        "What takes longest is {}: {} s of one core for {x} {}. The most memory, {} MB, is taken by {}.",
+        slow.method,
+        digits(*seconds),
+        slow.axis,
+        digits(*megabytes),
+        large.method
+    )
 }
 
 /// Costs by the number of the cell.
@@ -200,7 +222,7 @@ fn panels(growths: &[Growth], up: &'static str, of: fn(&(f64, f64, f64)) -> f64)
     let mut panels: Vec<(usize, Panel)> = Vec::new();
     for growth in growths {
         let points = growth.points.iter().map(|p| (p.0, of(p))).filter(|p| p.1 > 0.0).collect();
-        let line = Line { label: growth.method.clone(), points, band: Vec::new() };
+        let line = Line { label: growth.method.clone(), points, ..Line::default() };
         let key = |(grid, panel): &&mut (usize, Panel)| {
             *grid == growth.grid && panel.across.0 == growth.axis
         };
@@ -213,7 +235,7 @@ fn panels(growths: &[Growth], up: &'static str, of: fn(&(f64, f64, f64)) -> f64)
                     across: (growth.axis, Scale::Log),
                     up: (up, Scale::Log),
                     lines: vec![line],
-                    nominal: Vec::new(),
+                    ..Panel::default()
                 },
             )),
         }

@@ -1,12 +1,12 @@
 //! Do the intervals hold the truth as often as they say?
 
-use super::identification::{Chapter, Part};
+use super::chapter::{Chapter, Part};
 use super::seen::{CONVENTIONS, Seen, in_order};
 use super::{decibel, listed, over_snr, percent, quantile};
+use crate::figure::{Line, Panel, Scale};
 use crate::identification::LEVEL;
-use crate::report::markdown_table;
 use crate::statistics::{normal_quantile, normal_two_sided};
-use crate::studies::sweep::panel::{Line, Panel, Scale};
+use crate::text::markdown_table;
 
 /// Intervals that hold the truth less often than this, of 99 % ones, lie.
 const LIE: f64 = 0.95;
@@ -207,6 +207,7 @@ fn panel(part: &Part<'_>, method: &str) -> Panel {
         up: ("hold the truth, %", Scale::Share),
         lines: conventions(method).into_iter().map(line).collect(),
         nominal: part.snrs.iter().map(|db| (*db, LEVEL)).collect(),
+        ..Panel::default()
     }
 }
 
@@ -221,7 +222,7 @@ fn against_nominal(part: &Part<'_>, method: &str) -> Panel {
             needed.iter().filter(|n| **n <= level).count() as f64 / needed.len().max(1) as f64
         };
         let points = levels.iter().map(|l| (*l, held(*l))).collect();
-        Line { label, points, band: Vec::new() }
+        Line { label, points, ..Line::default() }
     };
     Panel {
         title: format!("{method}: all levels"),
@@ -229,6 +230,7 @@ fn against_nominal(part: &Part<'_>, method: &str) -> Panel {
         up: ("hold the truth, %", Scale::Share),
         lines: conventions(method).into_iter().map(line).collect(),
         nominal: vec![(0.5, 0.5), (LEVEL, LEVEL)],
+        ..Panel::default()
     }
 }
 

@@ -1,9 +1,9 @@
 //! Which terms are found down to which noise, and which are found that are not there.
 
-use super::identification::{Chapter, Part};
+use super::chapter::{Chapter, Part};
 use super::seen::{ALPHA, CONVENTIONS, Seen, in_order};
 use super::{decibel, down_to, listed, over_snr, percent};
-use crate::studies::sweep::panel::{Line, Panel, Scale};
+use crate::figure::{Line, Panel, Scale};
 
 /// A term counts as found where it is in so many of the cases.
 const FOUND: f64 = 0.95;
@@ -46,7 +46,7 @@ pub fn chapter(part: &Part<'_>) -> Chapter {
     let line = |label: &str, of: &dyn Fn(f64) -> f64| Line {
         label: label.into(),
         points: part.snrs.iter().map(|db| (*db, of(*db))).filter(|p| p.1.is_finite()).collect(),
-        band: Vec::new(),
+        ..Line::default()
     };
     let panel = |title: String, lines, nominal: f64| Panel {
         title,
@@ -54,6 +54,7 @@ pub fn chapter(part: &Part<'_>) -> Chapter {
         up: ("of the cases, %", Scale::Share),
         lines,
         nominal: part.snrs.iter().map(|db| (*db, nominal)).collect(),
+        ..Panel::default()
     };
     let panels = vec![
         panel(

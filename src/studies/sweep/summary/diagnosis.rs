@@ -2,10 +2,10 @@
 
 use super::seen::in_order;
 use super::{Page, decibel, distinct, down_to, listed, over_snr, percent};
-use crate::report::markdown_table;
-use crate::studies::sweep::panel::{Figure, Line, Panel, Scale};
+use crate::figure::{Figure, Line, Panel, Scale};
 use crate::studies::sweep::study::NO_EFFECT;
 use crate::studies::sweep::table::Table;
+use crate::text::markdown_table;
 
 /// Named in so many of the cases counts as found.
 const FOUND: f64 = 0.9;
@@ -101,10 +101,31 @@ pub fn page(cells: &Table) -> Page {
     let caption = "Named right over SNR".to_string();
     let figure = Figure { file: "named.svg".into(), caption, panels, columns: 3 };
     Page {
+        headline: headline(&clean, &hidden),
         text,
         picture: Some(overview(&clean, &hidden, &snrs, &strengths)),
         figures: vec![figure],
     }
+}
+
+/// How often the diagnosis is right, in plain words.
+fn headline(clean: &[&Case], hidden: &[&Case]) -> String {
+    let count =
+        |cases: &[&Case], which: fn(&Case) -> bool| cases.iter().filter(|c| which(c)).count();
+    let [right, wrong, silent] =
+        [count(hidden, |c| c.right), count(hidden, |c| c.wrong), count(hidden, |c| !c.named)];
+    let alarms = match clean.len() {
+        0 => String::new(),
+        n => format!(
+            " In {n} arms that lack nothing it names an effect {} times.",
+            count(clean, |c| c.named)
+        ),
+    };
+    format!(
+        "Of {} hidden effects the diagnosis names {right} rightly and {wrong} wrongly, and stays silent about \
+         {silent}.{alarms}",
+        hidden.len()
+    )
 }
 
 /// All effects together, and false alarms: the answer at a glance.
@@ -151,7 +172,7 @@ fn by_gap(hidden: &[&Case]) -> String {
 
 fn line(snrs: &[f64], label: &str, of: impl Fn(f64) -> f64) -> Line {
     let points = snrs.iter().map(|db| (*db, of(*db))).filter(|p| p.1.is_finite()).collect();
-    Line { label: label.into(), points, band: Vec::new() }
+    Line { label: label.into(), points, ..Line::default() }
 }
 
 fn panel(title: &str, lines: Vec<Line>) -> Panel {
@@ -160,7 +181,7 @@ fn panel(title: &str, lines: Vec<Line>) -> Panel {
         across: ("SNR, dB", Scale::Decibel),
         up: ("of the seeds, %", Scale::Share),
         lines,
-        nominal: Vec::new(),
+        ..Panel::default()
     }
 }
 

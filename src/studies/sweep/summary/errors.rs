@@ -1,9 +1,9 @@
 //! How far estimates are off, and which parameter goes first.
 
-use super::identification::{Chapter, Part};
+use super::chapter::{Chapter, Part};
 use super::seen::{Seen, in_order};
 use super::{decibel, listed, over_snr, percent, quantile};
-use crate::studies::sweep::panel::{Line, Panel, Scale};
+use crate::figure::{Line, Panel, Scale};
 
 /// Relative error within which an estimate is of use.
 const USEFUL: f64 = 0.2;
@@ -80,6 +80,34 @@ impl Range<'_> {
     }
 }
 
+/// How much noise the estimates bear, in plain words.
+pub fn headline(part: &Part<'_>) -> String {
+    let labels = labels(part);
+    let ranges: Vec<Range> = labels.iter().map(|label| range(part, label)).collect();
+    let useful: Vec<(&str, f64)> =
+        ranges.iter().filter_map(|r| Some((r.label, r.snrs?.0))).collect();
+    let most_in_need = useful.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((label, least)) = most_in_need else {
+        return format!(
+            "At no noise are nine of ten values within {:.0} % of the truth.",
+            100.0 * USEFUL
+        );
+    };
+    let within = format!("within {:.0} % of the truth in nine of ten cases", 100.0 * USEFUL);
+    let noises = match least.is_infinite() {
+        true => "without noise".into(),
+        false => format!("where the signal is at least {} above the noise", decibel(*least)),
+    };
+    match ranges.len() - useful.len() {
+        0 => format!("All parameters come back {within} {noises}; {label} needs that most."),
+        _ => format!(
+            "Of {} parameters {} come back {within} {noises}; the others do at no noise that was tried.",
+            ranges.len(),
+            useful.len()
+        ),
+    }
+}
+
 /// Which parameter is of no more use first as noise grows.
 fn order(part: &Part<'_>, labels: &[&str]) -> String {
     let ends = (part.snrs.first().copied(), part.snrs.last().copied());
@@ -120,7 +148,7 @@ pub fn overview(part: &Part<'_>) -> Panel {
     let line = |label: &str| {
         let at = |db: &f64| (*db, 100.0 * quantile(&errors(part.of(main), label, *db), MOST));
         let points = part.snrs.iter().map(at).filter(|p| p.1.is_finite()).collect();
-        Line { label: label.into(), points, band: Vec::new() }
+        Line { label: label.into(), points, ..Line::default() }
     };
     Panel {
         title: format!("What {:.0} % of the estimates by {main} keep to", 100.0 * MOST),
@@ -128,6 +156,7 @@ pub fn overview(part: &Part<'_>) -> Panel {
         up: ("error, %", Scale::Log),
         lines: labels(part).into_iter().map(line).collect(),
         nominal: part.snrs.iter().map(|db| (*db, 100.0 * USEFUL)).collect(),
+        ..Panel::default()
     }
 }
 
@@ -143,6 +172,7 @@ fn panel(part: &Part<'_>, label: &str) -> Panel {
                 .iter()
                 .map(|(db, e)| (*db, 100.0 * quantile(e, 0.1), 100.0 * quantile(e, 0.9)))
                 .collect(),
+            ..Line::default()
         }
     };
     Panel {
@@ -150,6 +180,6 @@ fn panel(part: &Part<'_>, label: &str) -> Panel {
         across: ("SNR, dB", Scale::Decibel),
         up: ("error, %", Scale::Log),
         lines: part.methods.iter().map(line).collect(),
-        nominal: Vec::new(),
+        ..Panel::default()
     }
 }

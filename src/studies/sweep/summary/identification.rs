@@ -1,35 +1,15 @@
 //! Identification: errors, coverage, detection, for the arm and for the motor.
 
+use super::chapter::{Chapter, Part};
 use super::seen::{Seen, in_order, seen};
 use super::{Page, coverage, detection, distinct, errors, rounding};
-use crate::studies::sweep::panel::{Figure, Panel};
+use crate::figure::Figure;
 use crate::studies::sweep::table::Table;
-
-/// One system's rows.
-pub struct Part<'a> {
-    pub rows: Vec<&'a Seen>,
-    /// Rows that no sensor rounded, where the others are rounded.
-    pub exact: Vec<&'a Seen>,
-    /// Signal-to-noise ratios, rising, dB; infinite is no noise.
-    pub snrs: Vec<f64>,
-    pub methods: Vec<&'a str>,
-}
-
-impl<'a> Part<'a> {
-    /// The method whose errors and tests stand in the tables.
-    pub fn main(&self) -> &'a str {
-        let nlse = self.methods.iter().find(|m| **m == "nlse");
-        nlse.or(self.methods.first()).copied().unwrap_or_default()
-    }
-
-    pub fn of<'b>(&'b self, method: &'b str) -> impl Iterator<Item = &'a Seen> + 'b {
-        self.rows.iter().copied().filter(move |r| r.method == method)
-    }
-}
 
 pub fn page(cells: &Table) -> Page {
     let all = seen(cells);
-    let mut page = Page { text: String::new(), picture: None, figures: Vec::new() };
+    let mut page =
+        Page { headline: String::new(), text: String::new(), picture: None, figures: Vec::new() };
     for system in in_order(all.iter().map(|r| r.system.as_str())) {
         let here = all.iter().filter(|r| r.system == system);
         let (mut rows, mut exact): (Vec<&Seen>, Vec<&Seen>) =
@@ -45,6 +25,9 @@ pub fn page(cells: &Table) -> Page {
         };
         let name = if system == "arm" { "The arm" } else { "The motor" };
         page.text += &format!("## {name}\n\n");
+        if page.headline.is_empty() {
+            page.headline = errors::headline(&part);
+        }
         page.picture.get_or_insert_with(|| errors::overview(&part));
         let mut chapters =
             vec![errors::chapter(&part), coverage::chapter(&part), detection::chapter(&part)];
@@ -59,18 +42,4 @@ pub fn page(cells: &Table) -> Page {
         page.text.push('\n');
     }
     page
-}
-
-/// What one aspect comes to.
-pub struct Chapter {
-    /// Name of the figure's file, before the system and the ending.
-    pub name: &'static str,
-    /// The conclusion, in words.
-    pub says: String,
-    /// Headline and tables.
-    pub text: String,
-    pub caption: String,
-    /// Panels of the figure, and how many stand side by side.
-    pub panels: Vec<Panel>,
-    pub columns: usize,
 }

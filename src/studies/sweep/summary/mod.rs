@@ -1,5 +1,6 @@
 //! A finished study in words, tables and plots.
 
+mod chapter;
 mod cost;
 mod coverage;
 mod detection;
@@ -9,13 +10,15 @@ mod identification;
 mod rounding;
 mod seen;
 
-use super::panel::{Figure, Panel};
 use super::study::{Question, Study};
 use super::table::Table;
-use crate::report::markdown_table;
+use crate::figure::{Figure, Panel};
+use crate::text::markdown_table;
 
 /// What a study comes to.
 pub struct Page {
+    /// What the study found, in one or two sentences for somebody who knows nothing of it.
+    pub headline: String,
     /// Markdown: a title, findings as a list, chapters with tables and figures by their files.
     pub text: String,
     /// The first finding at a glance; `None` where there is none.

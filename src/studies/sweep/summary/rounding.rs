@@ -1,10 +1,10 @@
 //! What the sensors' rounding does where noise does not blur its steps: rounded and exact cells of
 //! the same motions side by side.
 
-use super::identification::{Chapter, Part};
+use super::chapter::{Chapter, Part};
 use super::seen::{Seen, in_order};
 use super::{decibel, distinct, over_snr, percent, quantile};
-use crate::studies::sweep::panel::{Line, Panel, Scale};
+use crate::figure::{Line, Panel, Scale};
 
 /// Share of the estimates that keep to the errors shown.
 const MOST: f64 = 0.9;
@@ -108,6 +108,7 @@ fn panel(label: &str, snrs: &[f64], rounded: &[&Seen], exact: &[&Seen]) -> Panel
             label: name.into(),
             points: snrs.iter().copied().zip(at(0.5)).collect(),
             band: snrs.iter().zip(at(0.1)).zip(at(MOST)).map(|((db, a), b)| (*db, a, b)).collect(),
+            ..Line::default()
         }
     };
     Panel {
@@ -115,6 +116,6 @@ fn panel(label: &str, snrs: &[f64], rounded: &[&Seen], exact: &[&Seen]) -> Panel
         across: ("SNR, dB", Scale::Decibel),
         up: ("error, %", Scale::Log),
         lines: [("rounded", rounded), ("exact", exact)].into_iter().map(line).collect(),
-        nominal: Vec::new(),
+        ..Panel::default()
     }
 }

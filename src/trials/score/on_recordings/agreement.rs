@@ -3,7 +3,7 @@
 use super::super::tables::said;
 use super::super::{Judged, Share};
 use crate::diagnosis::{Named, Verdict};
-use crate::report::markdown_table;
+use crate::text::markdown_table;
 use crate::trials::Kind;
 
 /// Share of the check recording's mean square: a candidate that takes more off than this is no unknown.

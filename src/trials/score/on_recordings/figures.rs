@@ -2,8 +2,8 @@
 
 use super::super::rows::{Figure, Goal};
 use super::super::{Judged, Share};
+use super::found::explained;
 use super::{agreement, found};
-use crate::diagnosis::Verdict;
 use crate::trials::Kind;
 
 /// Strength, share that is to be named, and both in words.
@@ -13,10 +13,6 @@ const NAMED: [(f64, f64, &str, &str); 4] = [
     (2.0, 0.95, "grafts named, strength 2", "at least .95"),
     (4.0, 0.98, "grafts named, strength 4", "at least .98"),
 ];
-
-pub fn explained(judged: &Judged) -> bool {
-    judged.verdict == Some(Verdict::Explained)
-}
 
 /// The few figures that say most.
 pub fn figures(all: &[Judged]) -> Vec<Figure> {

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::super::{Judged, Share};
-use crate::report::markdown_table;
+use crate::diagnosis::Verdict;
+use crate::text::markdown_table;
 use crate::trials::Kind;
 
 /// Strengths that were asked for, in order.
@@ -113,7 +114,7 @@ pub fn foreign(all: &[Judged]) -> String {
         vec![
             effect.to_string(),
             cases.len().to_string(),
-            share(super::figures::explained),
+            share(explained),
             share(|j| j.wrong),
             names.join(", "),
         ]
@@ -122,4 +123,8 @@ pub fn foreign(all: &[Judged]) -> String {
     let header =
         ["effect", "cases", "\"explained\"", "a cause beyond the untouched pair's", "named"];
     markdown_table(&header, 1, &rows)
+}
+
+pub fn explained(judged: &Judged) -> bool {
+    judged.verdict == Some(Verdict::Explained)
 }

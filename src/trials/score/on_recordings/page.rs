@@ -3,7 +3,7 @@
 use super::super::{Judged, tables};
 use super::{agreement, found};
 use crate::diagnosis::Named;
-use crate::report::markdown_table;
+use crate::text::markdown_table;
 use crate::trials::Kind;
 
 /// Titles and tables of a trial on recordings, in order.
