@@ -132,7 +132,12 @@ impl Term {
 /// wrong; not those in `without`. What lasts for a while may act in one of the `recordings` alone.
 pub fn candidates(twin: &Twin, without: &[String], recordings: &[usize]) -> Vec<Candidate> {
     let mut all = Vec::new();
-    let shows = |e: &&dyn Effect| e.seen() != Seen::Simulation && twin.can_have(*e);
+    // Servos have one channel only, their position.
+    let seen = |e: &dyn Effect| match twin.drive.servo {
+        Some(_) => e.seen() == Seen::Columns,
+        None => e.seen() != Seen::Simulation,
+    };
+    let shows = |e: &&dyn Effect| seen(*e) && twin.can_have(*e);
     for effect in CATALOGUE.iter().copied().filter(shows) {
         let name = effect.about().name;
         let listed = twin.effects.iter().any(|n| n == name);

@@ -190,6 +190,7 @@ fn planned(twin: &Twin, like: &Samples, experiment: &Experiment, seed: u64) -> O
         qdd,
         torque: JointSeries::zeros(dof, n),
         told: None,
+        response: None,
         sensed: None,
         temperature,
         usable: vec![true; n],

@@ -16,7 +16,7 @@ use super::kinematics::{self, Lagging};
 use super::model::Model;
 use super::observed::Observed;
 use super::ranking::{self, named};
-use super::search::{Round, Weighed, search};
+use super::search::{Found, Round, Weighed, search};
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
@@ -37,19 +37,22 @@ impl<'a> Findings<'a> {
         floor: Vec<Floor>,
         settings: &'a Settings,
     ) -> Self {
-        let ((mut found, mut alone), lagging) = rayon::join(
+        let ((found, alone), lagging) = rayon::join(
             || rayon::join(|| search(both), || search(blind)),
             || kinematics::lagging(fit, check, settings),
         );
         // So many values are for both searches to ask for.
         let links = links::with_links(blind, &alone);
         let links = links.and_then(|alone| Some((alone, links::with_links(both, &found)?)));
-        if let Some(with_links) = links {
-            (alone, found) = with_links;
-        }
-        let held = HeldOut::new(&alone.last, check);
-        let Called { fit: last, standings, gains, unconfirmed } =
-            called(both, &judge, &found, &held.causes);
+        let seen = |(alone, found): (Found<'a>, Found<'a>)| {
+            let held = HeldOut::new(&alone.last, check);
+            let called = called(both, &judge, &found, &held.causes);
+            (found, held, called)
+        };
+        // Links that do not stand on the check recording must not have driven out what would.
+        let links = links.map(seen).filter(|(_, _, called)| links::stand(&called.fit));
+        let (found, held, called) = links.unwrap_or_else(|| seen((alone, found)));
+        let Called { fit: last, standings, gains, unconfirmed } = called;
         let alone = Fit::plain(blind.data, Model::of(fit.twin));
         Self {
             search: both,

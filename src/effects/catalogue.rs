@@ -34,6 +34,7 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &super::current_offset::CurrentOffset,
     &super::servo_gain::ServoGain,
     &super::servo_damping::ServoDamping,
+    &super::servo_friction::ServoFriction,
     &super::servo_dead_band::ServoDeadBand,
     &super::servo_delay::ServoDelay,
     &super::servo_offset::ServoOffset,

@@ -113,8 +113,9 @@ impl Default for ControlChange {
 pub struct ServoChange {
     /// Factor on the gain.
     pub gain: f64,
-    /// Added: N.m.s/rad, rad, s, rad.
+    /// Added: N.m.s/rad, a share of the motor's torque, rad, s, rad.
     pub damping: f64,
+    pub friction: f64,
     pub dead_band: f64,
     pub delay: f64,
     pub offset: f64,
@@ -122,7 +123,7 @@ pub struct ServoChange {
 
 impl Default for ServoChange {
     fn default() -> Self {
-        Self { gain: 1.0, damping: 0.0, dead_band: 0.0, delay: 0.0, offset: 0.0 }
+        Self { gain: 1.0, damping: 0.0, friction: 0.0, dead_band: 0.0, delay: 0.0, offset: 0.0 }
     }
 }
 
@@ -133,6 +134,7 @@ impl Mechanism {
         for (j, change) in self.servo.iter().enumerate() {
             servo.gain[j] *= change.gain;
             servo.damping[j] += change.damping;
+            servo.friction[j] += change.friction;
             servo.dead_band[j] += change.dead_band;
             servo.delay[j] += change.delay;
             servo.offset[j] += change.offset;

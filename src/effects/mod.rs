@@ -34,6 +34,7 @@ mod round_trip;
 mod servo_damping;
 mod servo_dead_band;
 mod servo_delay;
+mod servo_friction;
 mod servo_gain;
 mod servo_offset;
 mod size;

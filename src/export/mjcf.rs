@@ -39,6 +39,11 @@ fn of_servos(servo: &Servo) -> Vec<Left> {
             &servo.dead_band,
             "an actuator answers every error: take the band off the control",
         ),
+        (
+            "servo_friction",
+            &servo.friction,
+            "no joint's friction grows with its actuator: take a level of frictionloss that suits the load",
+        ),
         ("servo_delay", &servo.delay, "hold the control back by so long"),
     ];
     let left = |(effect, values, why): (&str, &Vec<f64>, &str)| {

@@ -94,8 +94,14 @@ const PLACED: &[&str] = &[
 ];
 
 /// Effects with a place in [`Plan::servo`].
-const OF_SERVOS: &[&str] =
-    &["servo_gain", "servo_damping", "servo_offset", "servo_delay", "servo_dead_band"];
+const OF_SERVOS: &[&str] = &[
+    "servo_gain",
+    "servo_damping",
+    "servo_friction",
+    "servo_offset",
+    "servo_delay",
+    "servo_dead_band",
+];
 
 impl Plan {
     pub fn of(twin: &Twin) -> Self {

@@ -137,7 +137,7 @@ mod tests {
                 "{{\"timestamp\": {}, \"goal_position\": 0.5, \"position\": {}, \"torque_enable\": {}}}",
                 k as f64 * 0.005,
                 k as f64 * 0.001,
-                k % 2 == 0
+                k.is_multiple_of(2)
             )
         };
         let entries: Vec<String> = (0..rows).map(entry).collect();

@@ -249,7 +249,7 @@ mod tests {
     fn lists_in_cells_become_joints_and_commands_are_held() {
         let head = "type,timestamp,positions\n".to_string();
         let commands = [0, 3, 6].map(|k| row("CONTROL", k, &[&format!("[{k}, 0.25]")]));
-        let folder = folder(Some(&(head + &commands.concat().repeat(1) + &tail())), &state(12));
+        let folder = folder(Some(&(head + &commands.concat() + &tail())), &state(12));
         let read = super::super::read(folder.path(), None).unwrap();
         assert!((read.time[1] - read.time[0] - 0.02).abs() < 1e-12);
         assert_eq!(read.channel("actual_q_1").unwrap()[7], -1.0);

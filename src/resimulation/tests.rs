@@ -77,6 +77,7 @@ fn held(pose: &[f64], torque: &[f64]) -> Samples {
         qdd: JointSeries::zeros(6, n),
         torque: each(torque),
         told: None,
+        response: None,
         sensed: None,
         temperature: None,
         usable: vec![true; n],

@@ -27,6 +27,9 @@ pub struct Servo {
     pub register: Option<Vec<f64>>,
     /// B, N.m.s/rad at the joint: the motor's own voltage.
     pub damping: Vec<f64>,
+    /// mu: dry friction of the gear, as a share of the motor's torque.
+    #[serde(default)]
+    pub friction: Vec<f64>,
     /// Torque at standstill with all of the supply, N.m; infinite is unlimited.
     #[serde(with = "unlimited")]
     pub max_torque: Vec<f64>,
@@ -181,6 +184,7 @@ impl Servo {
         Self {
             register: None,
             damping: zeros.clone(),
+            friction: zeros.clone(),
             max_torque: vec![f64::INFINITY; gain.len()],
             dead_band: zeros.clone(),
             delay: zeros.clone(),
@@ -238,34 +242,41 @@ impl Servo {
         dt: f64,
     ) -> (Told, JointSeries) {
         let zeros = || JointSeries::zeros(q.joints(), q.samples());
-        let (mut error, mut pull, mut slope) = (zeros(), zeros(), zeros());
-        let (mut powered, mut gain, mut torque) = (zeros(), zeros(), zeros());
-        for j in 0..q.joints() {
-            let arrived = delayed(command.joint(j), self.delay[j], dt);
-            for (k, c) in arrived.into_iter().enumerate() {
-                let k_p = settings.gain(self, j, k);
-                let [t, s] = self.pull(j, k_p, c - q.joint(j)[k]);
-                gain.joint_mut(j)[k] = k_p;
-                let on = settings.is_on(j, k);
-                error.joint_mut(j)[k] = c + self.offset[j] - q.joint(j)[k];
-                (pull.joint_mut(j)[k], slope.joint_mut(j)[k]) = (t, s);
-                powered.joint_mut(j)[k] = on;
-                torque.joint_mut(j)[k] = t - on * self.damping[j] * qd.joint(j)[k];
-            }
-        }
-        let told = Told {
+        let each = |of: &dyn Fn(usize, usize) -> f64| {
+            q.map_joints(|j, q| (0..q.len()).map(|k| of(j, k)).collect())
+        };
+        let unseen = Told {
             dt,
             command,
-            error,
-            pull,
-            slope,
-            powered,
-            gain,
+            error: zeros(),
+            pull: zeros(),
+            slope: zeros(),
+            powered: each(&|j, k| settings.is_on(j, k)),
+            gain: each(&|j, k| settings.gain(self, j, k)),
             q: q.clone(),
             recorded: vec![true; q.samples()],
             resolution: vec![0.0; q.joints()],
         };
+        let told = self.at(&unseen, q);
+        let braked =
+            |j: usize, k: usize| told.powered.joint(j)[k] * self.damping[j] * qd.joint(j)[k];
+        let torque = each(&|j, k| told.pull.joint(j)[k] - braked(j, k));
         (told, torque)
+    }
+
+    /// What the servos make of a command where the joints are at `q` (rad); all else as it was told.
+    pub fn at(&self, told: &Told, q: &JointSeries) -> Told {
+        let mut now = told.clone();
+        for j in 0..q.joints() {
+            let arrived = delayed(told.command.joint(j), self.delay[j], told.dt);
+            for (k, c) in arrived.into_iter().enumerate() {
+                let error = c - q.joint(j)[k];
+                let [pull, slope] = self.pull(j, told.gain.joint(j)[k], error);
+                now.error.joint_mut(j)[k] = error + self.offset[j];
+                (now.pull.joint_mut(j)[k], now.slope.joint_mut(j)[k]) = (pull, slope);
+            }
+        }
+        now
     }
 
     /// Does it fit an arm of `dof` joints?

@@ -1,5 +1,6 @@
 //! What can keep an arm of servos from being simulated along a recording.
 
+use crate::diagnosis::DiagnosisError;
 use crate::follow::Interrupted;
 use crate::signals::SignalError;
 use crate::statistics::StatisticsError;
@@ -11,6 +12,8 @@ pub enum ServoError {
     Signals(#[from] SignalError),
     #[error(transparent)]
     Statistics(#[from] StatisticsError),
+    #[error(transparent)]
+    Diagnosis(#[from] DiagnosisError),
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
     #[error(

@@ -67,6 +67,8 @@ pub struct Fitted {
 const SHORT: f64 = 0.1;
 /// Rounds over stretches of full length: each joint weighs by what the last one left of it.
 const ROUNDS: usize = 2;
+/// Evaluations of the last round, by differences between simulations.
+const LAST: usize = 8;
 /// Shortest recording, s.
 const SHORTEST_S: f64 = 1.0;
 
@@ -115,13 +117,15 @@ fn search<'a>(
     )
     .unwrap_or_else(|_| Bounds::unbounded(x.len()));
     let search = Search {
-        cost_tolerance: 1e-6,
-        step_tolerance: 1e-6,
+        // Less than one recording tells from the next.
+        cost_tolerance: 1e-4,
+        step_tolerance: 1e-4,
         gradient_tolerance: 1e-8,
         max_evaluations: settings.max_evaluations / (1 + ROUNDS),
     };
     let mut short =
         Problem::new(problem.twin, problem.tracks, problem.free, SHORT * settings.horizon_s);
+    (short.by_sensitivity, problem.by_sensitivity) = (true, true);
     let (mut evaluations, mut stop) = (0, Stop::Evaluations);
     for round in 0..=ROUNDS {
         let problem = if round == 0 { &mut short } else { &mut problem };
@@ -131,7 +135,11 @@ fn search<'a>(
         evaluations += found.evaluations;
         (x, stop) = (found.x, found.stop);
     }
-    (problem, x, evaluations, stop)
+    // What neighbouring joints and moments of sticking make of it besides.
+    problem.by_sensitivity = false;
+    let found = minimise(&problem, &x, &bounds, &Search { max_evaluations: LAST, ..search });
+    let stop = if stop.converged() { stop } else { found.stop };
+    (problem, found.x, evaluations + found.evaluations, stop)
 }
 
 /// 1 / rms of each joint's errors, rounding counted among them.

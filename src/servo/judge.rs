@@ -1,79 +1,57 @@
-//! A diagnosis of position servos, held against positions: what the search by torque found is fitted once more
-//! by simulation, and the twin before and after, and without each cause, is led along the command of the
-//! check recording.
+//! What a search found of position servos, held against positions: its values are fitted by simulation, and the
+//! twin before and after, and without each cause, is led along the command of the check recording.
 
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
 use super::{
-    Estimate, Fitted, Free, PositionGap, ServoError, Settings, Track, free_parameters, identify,
-    replay,
+    Estimate, Free, PositionGap, ServoError, Settings, Track, free_parameters, identify, replay,
 };
 use crate::diagnosis::{
-    By, Cause, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink, mend,
+    By, Cause, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink,
 };
 use crate::effects::{Seen, find};
 use crate::follow::Watch;
-use crate::identification::levenberg_marquardt::Stop;
 use crate::series::JointSeries;
-use crate::signals::Samples;
 use crate::twin::Twin;
 
 /// Effects with a degree of freedom of their own.
-const ELASTIC: [&str; 2] = ["backlash", "joint_flexibility"];
+pub const ELASTIC: [&str; 2] = ["backlash", "joint_flexibility"];
 
-/// Fits the values of what the search found, and of what the twin leaves open, once more by simulation along
-/// the `fit` recording, and adds to `diagnosis` what that brings in simulated position on the `check` recording;
-/// returns the positions (rad) of the twin as given and of the mended one.
-///
-/// # Errors
-/// If the twin has no servos or runs away.
-pub fn simulate_again(
-    diagnosis: &mut Diagnosis,
-    twin: &Twin,
-    [fit, check]: [&Samples; 2],
-    watch: &dyn Watch,
-) -> Result<Vec<JointSeries>, ServoError> {
-    let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
-    let [fit, check] = [Track::new(fit, servo)?, Track::new(check, servo)?];
-    let mut notes = Vec::new();
-    let given = rigid(mend(twin, &diagnosis.fitted_before, &[]), &mut notes);
-    let before = refit(&given, twin, &[], &fit, watch)?;
-    keep_open(&mut diagnosis.fitted_before, twin, &before);
-    let changes = diagnosis.changes();
-    let mended = rigid(mend(twin, &diagnosis.fitted, &changes), &mut notes);
-    let after = refit(&mended, twin, &changes, &fit, watch)?;
-    keep_open(&mut diagnosis.fitted, twin, &after);
-    let all = diagnosis.causes.iter_mut().chain(&mut diagnosis.adjustments);
-    all.for_each(|cause| keep_cause(cause, twin, &after.estimates));
-    let stretches = check.stretches(f64::INFINITY);
-    let of = |twin: &Twin| replay(twin, &check, &stretches);
-    let (q_before, q_after) = rayon::join(|| of(&before.twin), || of(&after.twin));
-    let (q_before, q_after) = (q_before?, q_after?);
-    let gaps = [&q_before, &q_after].map(|q| PositionGap::new(&check, q));
-    let rms = gaps[1].rms_rad();
-    let without = |cause: &Cause| -> Result<PositionShrink, ServoError> {
-        let twin = taken_out(&after.twin, twin, cause);
-        let before_rad = PositionGap::new(&check, &of(&twin)?).rms_rad();
-        let Cause { effect, joints, .. } = cause.clone();
-        let fraction = share(before_rad, rms);
-        Ok(PositionShrink { effect, joints, before_rad, after_rad: rms, fraction })
-    };
-    let causes = diagnosis.causes.par_iter().map(without).collect::<Result<_, _>>()?;
-    diagnosis.notes.append(&mut notes);
-    put(diagnosis, &gaps, causes);
-    Ok(vec![q_before, q_after])
+/// A twin with values fitted by simulation.
+pub struct Refitted {
+    pub twin: Twin,
+    pub estimates: Vec<Estimate>,
+    /// Root mean square of the position errors on the fit recording, rad.
+    pub rms_rad: f64,
 }
 
 /// `start` with the values of what `twin` leaves open and of the causes fitted by simulation.
-fn refit(
+///
+/// # Errors
+/// As [`identify`].
+pub fn refit(
     start: &Twin,
     twin: &Twin,
     causes: &[Cause],
     fit: &Track,
     watch: &dyn Watch,
-) -> Result<Fitted, ServoError> {
+) -> Result<Refitted, ServoError> {
+    let settings = Settings { level: LEVEL, ..Settings::default() };
+    let free = free(start, twin, causes)?;
+    if free.is_empty() {
+        let simulated = replay(start, fit, &fit.stretches(settings.horizon_s))?;
+        let rms_rad = PositionGap::new(fit, &simulated).rms_rad();
+        return Ok(Refitted { twin: start.clone(), estimates: Vec::new(), rms_rad });
+    }
+    let fitted = identify(start, &[fit], &free, &settings, watch)?;
+    let rms_rad = fitted.after[0].rms_rad();
+    Ok(Refitted { twin: fitted.twin, estimates: fitted.estimates, rms_rad })
+}
+
+/// What the twin leaves open, and the parameters of the causes where they act.
+fn free(start: &Twin, twin: &Twin, causes: &[Cause]) -> Result<Vec<Free>, ServoError> {
     let open: Vec<String> = twin.open().map(|e| e.about().name.to_string()).collect();
     let mut free = free_parameters(start, &open)?;
     for cause in causes.iter().filter(|c| is_simulated(&c.effect)) {
@@ -87,23 +65,41 @@ fn refit(
             own.into_iter().filter(|f| f.joint.is_none_or(acts) && !there(f)).collect();
         free.extend(own);
     }
-    if free.is_empty() {
-        let (estimates, twin) = (Vec::new(), start.clone());
-        let none = Vec::new();
-        let stop = Stop::Exact;
-        let (before, after) = (none.clone(), none);
-        return Ok(Fitted {
-            estimates,
-            twin,
-            before,
-            after,
-            samples: 0,
-            cost: 0.0,
-            evaluations: 0,
-            stop,
-        });
-    }
-    identify(start, &[fit], &free, &Settings { level: LEVEL, ..Settings::default() }, watch)
+    Ok(free)
+}
+
+/// Leads the twin as given and the mended one, and the mended one without each cause, along the command of the
+/// check recording, and adds to `diagnosis` what that shows; returns their positions, rad. Values are those
+/// that were fitted by simulation.
+///
+/// # Errors
+/// If a twin runs away.
+pub fn prove(
+    diagnosis: &mut Diagnosis,
+    twin: &Twin,
+    [before, after]: [Refitted; 2],
+    check: &Track,
+) -> Result<Vec<JointSeries>, ServoError> {
+    keep_open(&mut diagnosis.fitted_before, twin, &before.twin);
+    keep_open(&mut diagnosis.fitted, twin, &after.twin);
+    let all = diagnosis.causes.iter_mut().chain(&mut diagnosis.adjustments);
+    all.for_each(|cause| keep_cause(cause, twin, &after.estimates));
+    let stretches = check.stretches(f64::INFINITY);
+    let of = |twin: &Twin| replay(twin, check, &stretches);
+    let (q_before, q_after) = rayon::join(|| of(&before.twin), || of(&after.twin));
+    let (q_before, q_after) = (q_before?, q_after?);
+    let gaps = [&q_before, &q_after].map(|q| PositionGap::new(check, q));
+    let rms = gaps[1].rms_rad();
+    let without = |cause: &Cause| -> Result<PositionShrink, ServoError> {
+        let twin = taken_out(&after.twin, twin, cause);
+        let before_rad = PositionGap::new(check, &of(&twin)?).rms_rad();
+        let Cause { effect, joints, .. } = cause.clone();
+        let fraction = share(before_rad, rms);
+        Ok(PositionShrink { effect, joints, before_rad, after_rad: rms, fraction })
+    };
+    let causes = diagnosis.causes.par_iter().map(without).collect::<Result<_, _>>()?;
+    put(diagnosis, &gaps, causes);
+    Ok(vec![q_before, q_after])
 }
 
 /// Of the intervals of a diagnosis.
@@ -117,9 +113,9 @@ fn is_simulated(effect: &str) -> bool {
 }
 
 /// What the twin leaves open takes the values that were fitted by simulation.
-fn keep_open(kept: &mut BTreeMap<String, Vec<f64>>, twin: &Twin, fitted: &Fitted) {
+fn keep_open(kept: &mut BTreeMap<String, Vec<f64>>, twin: &Twin, fitted: &Twin) {
     for parameter in twin.open().flat_map(|e| e.about().parameters) {
-        if let Some(values) = fitted.twin.values.get(parameter.name) {
+        if let Some(values) = fitted.values.get(parameter.name) {
             kept.insert(parameter.name.into(), values.clone());
         }
     }
@@ -190,16 +186,4 @@ fn put(diagnosis: &mut Diagnosis, [before, after]: &[PositionGap; 2], causes: Ve
 /// Share of a mean square that is taken off between two root mean squares.
 fn share(before: f64, after: f64) -> f64 {
     if before > 0.0 { 1.0 - (after / before).powi(2) } else { 0.0 }
-}
-
-/// The twin without what gives way between motor and link, which is not simulated here; a note says so.
-fn rigid(mut twin: Twin, notes: &mut Vec<String>) -> Twin {
-    let elastic: Vec<&str> =
-        ELASTIC.into_iter().filter(|e| twin.effects.iter().any(|own| own == e)).collect();
-    if elastic.is_empty() {
-        return twin;
-    }
-    twin.effects.retain(|e| !elastic.contains(&e.as_str()));
-    notes.push(format!("the simulation of position leaves {} out", elastic.join(" and ")));
-    twin
 }

@@ -37,6 +37,19 @@ pub struct Plant {
     impulses: Vec<f64>,
     bias: Vec<f64>,
     still: Vec<f64>,
+    yields: Vec<Yield>,
+}
+
+/// How a joint gave way in the last step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Yield {
+    /// kg.m2, rotor and links.
+    pub inertia: f64,
+    /// N.m.s/rad, servo and friction.
+    pub damping: f64,
+    /// N.m/rad of the servo.
+    pub slope: f64,
+    pub slides: bool,
 }
 
 impl Plant {
@@ -66,6 +79,7 @@ impl Plant {
             impulses: zeros(),
             bias: zeros(),
             still: zeros(),
+            yields: vec![Yield::default(); dof],
         })
     }
 
@@ -103,6 +117,16 @@ impl Plant {
         self.q[j] + self.mechanism.encoder_zero[j]
     }
 
+    /// rad/s of joint `j`
+    pub fn speed(&self, j: usize) -> f64 {
+        self.v[j]
+    }
+
+    /// How joint `j` gave way in the last step.
+    pub fn yields(&self, j: usize) -> Yield {
+        self.yields[j]
+    }
+
     /// One step of `h` s: servos of `gain` N.m/rad (0 while one is off) are told `command` (rad).
     pub fn step(&mut self, h: f64, command: &[f64], gain: &[f64]) {
         let dof = self.q.len();
@@ -127,11 +151,14 @@ impl Plant {
             m[(j, j)] += self.mechanism.armature[j];
             let on = if gain[j] > 0.0 { 1.0 } else { 0.0 };
             damping[j] = self.loads[j].damping + on * self.servo.damping[j];
-            limit[j] = h * self.loads[j].dry.max(0.0);
         }
         for i in 0..dof {
             let shown = self.q[i] + self.mechanism.encoder_zero[i];
-            let [pull, _] = self.servo.pull(i, gain[i], command[i] - shown);
+            let [pull, slope] = self.servo.pull(i, gain[i], command[i] - shown);
+            let dry = self.loads[i].dry + self.servo.friction[i] * pull.abs();
+            limit[i] = h * dry.max(0.0);
+            let inertia = m[(i, i)];
+            self.yields[i] = Yield { inertia, damping: damping[i], slope, slides: true };
             let carried: f64 = (0..dof).map(|j| m[(i, j)] * self.v[j]).sum();
             let torque = pull - self.bias[i] - self.loads[i].torque;
             b[i] = carried - 0.5 * h * damping[i] * self.v[i] + h * torque;
@@ -147,6 +174,7 @@ impl Plant {
         for (j, v) in v.into_iter().enumerate() {
             self.v[j] = v;
             self.q[j] += h * v;
+            self.yields[j].slides = v != 0.0;
         }
         self.time += h;
     }

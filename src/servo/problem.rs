@@ -3,8 +3,9 @@
 //!
 //! Stretches make the error local: it forgets its begin within a servo's time constant, and no error of one
 //! stretch reaches the next (multiple shooting with the measured states for its nodes: Bock, *Recent advances
-//! in parameter identification techniques for O.D.E.*, 1983). Columns of the Jacobian are differences between
-//! simulations, all stretches and parameters at once over the machine's cores.
+//! in parameter identification techniques for O.D.E.*, 1983). Columns of the Jacobian come from sensitivity
+//! equations, or are differences between simulations, all stretches and parameters at once over the machine's
+//! cores.
 
 use std::ops::Range;
 
@@ -12,9 +13,11 @@ use rayon::prelude::*;
 
 use super::parameters::{Free, with_values};
 use super::replay::lead;
-use super::{Plant, Track};
+use super::sensitivity::sensitivities;
+use super::{Plant, ServoError, Track};
 use crate::identification::levenberg_marquardt::Residuals;
 use crate::regression::bounds::Bounds;
+use crate::series::JointSeries;
 use crate::twin::Twin;
 
 /// Step of a difference: this share of the value, or of what the parameter usually is where it is small.
@@ -30,6 +33,8 @@ pub struct Problem<'a> {
     pub stretches: Vec<(usize, Range<usize>)>,
     /// Weight of a joint's error, 1/rad.
     pub weights: Vec<f64>,
+    /// Columns by sensitivity equations, not by differences.
+    pub by_sensitivity: bool,
 }
 
 impl<'a> Problem<'a> {
@@ -39,7 +44,8 @@ impl<'a> Problem<'a> {
             t.stretches(horizon_s).into_iter().map(|s| (i, s)).collect()
         };
         let stretches = tracks.iter().enumerate().flat_map(of).collect();
-        Self { twin, tracks, free, stretches, weights: vec![1.0; twin.robot.dof()] }
+        let weights = vec![1.0; twin.robot.dof()];
+        Self { twin, tracks, free, stretches, weights, by_sensitivity: false }
     }
 
     /// Samples of a joint.
@@ -132,13 +138,43 @@ impl Residuals for Problem<'_> {
             if x[i] + size > bounds.upper(i) { -size } else { size }
         };
         let steps: Vec<f64> = (0..x.len()).map(step).collect();
+        let columns = self.by_sensitivity.then(|| self.sensitivities(x, &steps).ok()).flatten();
+        columns.unwrap_or_else(|| self.differences(x, r, &steps))
+    }
+}
+
+impl Problem<'_> {
+    /// Columns by the sensitivity equation of every parameter.
+    fn sensitivities(&self, x: &[f64], steps: &[f64]) -> Result<Vec<Vec<f64>>, ServoError> {
+        let of_track = |i: usize| {
+            let own = self.stretches.iter().filter(|(track, _)| *track == i);
+            let own = own.map(|(_, stretch)| stretch.clone()).collect();
+            sensitivities(self.twin, self.free, (x, steps), self.tracks[i], own)
+        };
+        let all: Vec<Vec<JointSeries>> =
+            (0..self.tracks.len()).map(of_track).collect::<Result<_, _>>()?;
+        let column = |p: usize| {
+            let of_joint = |j: usize| {
+                let all = &all;
+                let part = move |(i, s): &(usize, Range<usize>)| {
+                    all[*i][p].joint(j)[s.clone()].iter().copied()
+                };
+                self.stretches.iter().flat_map(part)
+            };
+            self.weighted((0..self.weights.len()).flat_map(of_joint).collect())
+        };
+        Ok((0..x.len()).map(column).collect())
+    }
+
+    /// Columns by differences between simulations.
+    fn differences(&self, x: &[f64], r: &[f64], steps: &[f64]) -> Vec<Vec<f64>> {
         let moved = |(i, step): (usize, &f64)| {
             let mut x = x.to_vec();
             x[i] += step;
             x
         };
         let sets: Vec<Vec<f64>> = steps.iter().enumerate().map(moved).collect();
-        let column = |(stretches, step): (Vec<Vec<f64>>, f64)| {
+        let column = |(stretches, step): (Vec<Vec<f64>>, &f64)| {
             let mut column = self.weighted(self.joined(&stretches));
             column.iter_mut().zip(r).for_each(|(c, r)| *c = (*c - r) / step);
             column

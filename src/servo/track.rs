@@ -1,7 +1,7 @@
 //! A recording as servos saw it: command and position on one grid, and where each stretch may begin.
 
 use super::ServoError;
-use crate::robot::servo;
+use crate::robot::{Told, servo};
 use crate::series::JointSeries;
 use crate::signals::Samples;
 
@@ -14,6 +14,8 @@ pub struct Track {
     pub start: f64,
     /// What the servos were told, rad.
     pub command: JointSeries,
+    /// All that is recorded of what the servos were told.
+    pub told: Told,
     /// Position as recorded, rad.
     pub q: JointSeries,
     /// Smoothed position and velocity, where a simulation may begin, rad and rad/s.
@@ -40,6 +42,7 @@ impl Track {
             dt: samples.dt,
             start: samples.start,
             command: told.command.clone(),
+            told: told.clone(),
             q: told.q.clone(),
             smooth_q: samples.q.clone(),
             qd: samples.qd.clone(),

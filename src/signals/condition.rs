@@ -41,6 +41,7 @@ pub fn condition(
         qdd,
         torque,
         told,
+        response: None,
         sensed,
         temperature: picked.temperature.as_ref().map(carry),
         usable,

@@ -271,9 +271,11 @@ impl Simulation {
         };
         self.effects.loads(&state, &mut now.loads);
         // A motor's own voltage brakes at every instant, not once per hold.
-        for (load, damping) in now.loads.iter_mut().zip(self.servo.iter().flat_map(|s| &s.damping))
-        {
-            load.damping += damping;
+        if let Some(servo) = &self.servo {
+            for (j, load) in now.loads.iter_mut().enumerate() {
+                load.damping += servo.damping[j];
+                load.dry += servo.friction[j] * now.tau[j].abs();
+            }
         }
         self.thermal.advance(&mut now.temperature, &now.loads, &now.qd, self.clock.step_s);
         self.plant.step(&now.tau, &now.loads);

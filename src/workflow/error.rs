@@ -69,6 +69,9 @@ impl WorkflowError {
             Self::Interrupted(_)
             | Self::Identification(IdentificationError::Interrupted(_))
             | Self::Diagnosis(DiagnosisError::Interrupted(_))
+            | Self::Servo(
+                ServoError::Interrupted(_) | ServoError::Diagnosis(DiagnosisError::Interrupted(_)),
+            )
             | Self::Simulation(SimulationError::Stopped { .. })
             | Self::Resimulation(ResimulationError::Simulation(SimulationError::Stopped {
                 ..

@@ -9,6 +9,7 @@ use armtwin::identification::{
     self, ArmProblem, Method, MethodResult, ParameterEstimate, Settings, Terms, assemble,
 };
 use armtwin::recording::Recording;
+use armtwin::servo::{self, Track, free_parameters};
 use armtwin::signals::{Conditioning, Derivatives, Samples, condition};
 use armtwin::simulation::{Experiment, Run, Scenario, Simulation};
 use armtwin::twin::{PerJoint, Twin};

@@ -65,6 +65,7 @@ fn samples(third: &Third) -> Samples {
         qdd: third.qdd.clone(),
         torque: third.torque.clone(),
         told: None,
+        response: None,
         sensed: None,
         temperature: Some(third.temperature.clone()),
         usable: vec![true; third.time.len()],

@@ -17,6 +17,7 @@ use crate::follow::Watch;
 use crate::recording::{Provenance, Recording};
 use crate::report::Fact;
 use crate::series::JointSeries;
+use crate::servo::{self, Found};
 use crate::signals::{Conditioning, Samples};
 use crate::twin::Twin;
 
@@ -202,26 +203,12 @@ impl Diagnose {
         let [fit_samples, check_samples] = samples;
         let (fit_samples, check_samples) = (fit_samples?, check_samples?);
         let clock = Instant::now();
-        watch.tell("searching for what the twin lacks", 0, 0);
-        let (found, traces) =
-            diagnosis::diagnose_traced(twin, &fit_samples, &check_samples, &self.settings, watch)?;
-        let mut mended = mend(twin, &found.fitted, &found.changes());
-        let mut diagnosis = found;
-        let mut simulated = Vec::new();
-        if self.simulate {
-            watch.tell("moving the twin again in the simulation", 0, 0);
-            let twins = [twin, &mended];
-            simulated = match by {
-                By::Torque => {
-                    resimulated::add(&mut diagnosis, twins, &check, &check_samples, watch)?
-                }
-                By::Simulation => {
-                    resimulated::led(&mut diagnosis, twin, [&fit_samples, &check_samples], watch)?
-                }
-            };
-            // Servos are fitted once more by simulation.
-            mended = mend(twin, &diagnosis.fitted, &diagnosis.changes());
-        }
+        let samples = [&fit_samples, &check_samples];
+        let Found { diagnosis, traces, simulated } = match by {
+            By::Torque => self.by_torque(twin, samples, &check, watch)?,
+            By::Simulation => servo::diagnose(twin, samples, &self.settings, watch)?,
+        };
+        let mended = mend(twin, &diagnosis.fitted, &diagnosis.changes());
         let seconds = clock.elapsed().as_secs_f64();
         let recorded = |recording: &Recording, samples| {
             let provenance = recording.provenance.clone();
@@ -238,6 +225,26 @@ impl Diagnose {
             simulated,
             seconds,
         })
+    }
+
+    /// Searches by recorded torque, and moves both twins again where that is wanted.
+    fn by_torque(
+        &self,
+        twin: &Twin,
+        [fit, check]: [&Samples; 2],
+        recording: &Recording,
+        watch: &dyn Watch,
+    ) -> Result<Found, WorkflowError> {
+        watch.tell("searching for what the twin lacks", 0, 0);
+        let (mut diagnosis, traces) =
+            diagnosis::diagnose_traced(twin, fit, check, &self.settings, watch)?;
+        let mut simulated = Vec::new();
+        if self.simulate {
+            watch.tell("moving the twin again in the simulation", 0, 0);
+            let mended = mend(twin, &diagnosis.fitted, &diagnosis.changes());
+            simulated = resimulated::add(&mut diagnosis, [twin, &mended], recording, check, watch)?;
+        }
+        Ok(Found { diagnosis, traces, simulated })
     }
 }
 

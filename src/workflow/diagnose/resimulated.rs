@@ -7,7 +7,6 @@ use crate::resimulation::{
     Errors, Replayed, ResimulationError, WINDOW_S, closed_loop, command, errors,
 };
 use crate::series::JointSeries;
-use crate::servo::{self, ServoError};
 use crate::signals::Samples;
 use crate::simulation::ControllerSettings;
 use crate::twin::Twin;
@@ -61,21 +60,7 @@ pub fn add(
     })
 }
 
-/// The twin as given and the mended one, led along the command of the check recording; values are fitted once
-/// more by simulation before.
-pub fn led(
-    diagnosis: &mut Diagnosis,
-    twin: &Twin,
-    recordings: [&Samples; 2],
-    watch: &dyn Watch,
-) -> Result<Vec<JointSeries>, Interrupted> {
-    match servo::simulate_again(diagnosis, twin, recordings, watch) {
-        Err(ServoError::Interrupted(interrupted)) => Err(interrupted),
-        simulated => Ok(simulated.unwrap_or_else(|error| not_simulated(diagnosis, &error))),
-    }
-}
-
-fn not_simulated(diagnosis: &mut Diagnosis, error: &dyn std::error::Error) -> Vec<JointSeries> {
+fn not_simulated(diagnosis: &mut Diagnosis, error: &ResimulationError) -> Vec<JointSeries> {
     diagnosis.notes.push(format!("not simulated: {error}"));
     Vec::new()
 }
