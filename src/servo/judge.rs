@@ -23,8 +23,6 @@ pub const ELASTIC: [&str; 2] = ["backlash", "joint_flexibility"];
 pub struct Refitted {
     pub twin: Twin,
     pub estimates: Vec<Estimate>,
-    /// Root mean square of the position errors on the fit recording, rad.
-    pub rms_rad: f64,
 }
 
 /// `start` with the values of what `twin` leaves open and of the causes fitted by simulation.
@@ -41,13 +39,10 @@ pub fn refit(
     let settings = Settings { level: LEVEL, ..Settings::default() };
     let free = free(start, twin, causes)?;
     if free.is_empty() {
-        let simulated = replay(start, fit, &fit.stretches(settings.horizon_s))?;
-        let rms_rad = PositionGap::new(fit, &simulated).rms_rad();
-        return Ok(Refitted { twin: start.clone(), estimates: Vec::new(), rms_rad });
+        return Ok(Refitted { twin: start.clone(), estimates: Vec::new() });
     }
     let fitted = identify(start, &[fit], &free, &settings, watch)?;
-    let rms_rad = fitted.after[0].rms_rad();
-    Ok(Refitted { twin: fitted.twin, estimates: fitted.estimates, rms_rad })
+    Ok(Refitted { twin: fitted.twin, estimates: fitted.estimates })
 }
 
 /// What the twin leaves open, and the parameters of the causes where they act.
