@@ -55,6 +55,7 @@ pub mod follow;
 pub mod identification;
 pub mod kernels;
 pub mod limits;
+#[cfg(feature = "live")]
 pub mod live;
 pub mod motion;
 #[cfg(feature = "studies")]
@@ -67,6 +68,7 @@ pub mod report;
 pub mod resimulation;
 pub mod rigid_body;
 pub mod robot;
+#[cfg(feature = "live")]
 pub mod rtde;
 pub mod series;
 pub mod servo;

@@ -91,6 +91,24 @@ fn rooms_only_look_upstream() {
     }
 }
 
+/// A feature that nobody builds alone does not build for long.
+#[test]
+fn every_feature_is_checked_by_itself_in_ci() {
+    let read = |name: &str| {
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).expect("a text")
+    };
+    let (manifest, ci) = (read("Cargo.toml"), read(".ci/run"));
+    let table = manifest.split("[features]").nth(1).and_then(|t| t.split("\n[").next());
+    let names = table.expect("features").lines().filter_map(|l| l.split_once(" = [")).map(|f| f.0);
+    let checks: Vec<&str> = ci.lines().filter(|l| l.contains("--no-default-features")).collect();
+    assert!(checks.iter().any(|l| l.ends_with("--no-default-features")), "the library alone");
+    for feature in names.filter(|name| !["default", "viewer"].contains(name)) {
+        let asked = checks.iter().filter_map(|l| l.split("--features ").nth(1));
+        let named = asked.flat_map(|list| list.split(',')).any(|name| name == feature);
+        assert!(named, ".ci/run checks no build with the feature `{feature}`");
+    }
+}
+
 /// What the library does with recordings is done there, not in the command line or the Python layer.
 #[test]
 fn what_converts_does_not_decide() {

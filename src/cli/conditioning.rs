@@ -1,9 +1,9 @@
 //! Flags that set how a recording is conditioned, for every command that takes one.
 
-use crate::signals::{Conditioning, Derivatives};
+use crate::signals::Derivatives;
 use crate::workflow::SignalOptions;
 
-/// What is not given stays as [`Conditioning::default`] has it.
+/// What is not given stays as [`Conditioning::default`](crate::signals::Conditioning) has it.
 #[derive(clap::Args, Default)]
 #[command(next_help_heading = "Signals")]
 pub struct ConditioningArgs {
@@ -50,10 +50,6 @@ enum Source {
 }
 
 impl ConditioningArgs {
-    pub fn conditioning(&self) -> Conditioning {
-        self.options().over(Conditioning::default())
-    }
-
     /// The least rate of a recording that what was given can do with, Hz.
     pub fn floor_hz(&self) -> f64 {
         self.options().floor_hz()

@@ -1,6 +1,5 @@
 //! `armtwin demo`: the main job in one go, on an arm whose parameters are known.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::Context;
@@ -9,6 +8,7 @@ use super::outputs::{self, Output};
 use super::progress::Progress;
 use super::{diagnose, out, save, simulate, view};
 use crate::diagnosis::{self, Diagnosis};
+use crate::effects::{CATALOGUE, Role};
 use crate::identification::{
     ArmProblem, BoundsByName, Dropped, MethodResult, Settings, Terms, assemble, fitted_twin,
     identify, reduce,
@@ -26,9 +26,9 @@ use crate::workflow::{Diagnose, Diagnosed};
 #[command(after_help = "Example: armtwin demo --out demo
 
 Writes DIR/fit.csv and check.csv (the recordings), truth.json (what was hidden in them),
-diagnosis.json (what the identified twin lacks), report.html (the same with pictures), twin.toml (the
-twin with all that was found) and twin.rrd (the arm beside both twins, for the viewer). The scenario is scenarios/ur5_friction.toml
-with a torque ripple on joint 3, which identification does not look for.")]
+diagnosis.json (what the identified twin lacks), report.html (the same with pictures), twin.toml
+(the twin with all that was found) and twin.rrd (the arm beside both twins, for the viewer). The
+scenario is scenarios/ur5_friction.toml with a torque ripple on joint 3, which identification does not look for.")]
 pub struct Args {
     /// Folder for the results
     #[arg(long, value_name = "DIR", default_value = "demo")]
@@ -149,10 +149,14 @@ impl Found {
         Ok(Self { dropped, results, twin })
     }
 
-    /// The identified twin without the values of its friction: what it lacks has misled them (a
-    /// ripple hides a Stribeck curve), so that they are fitted again with what it lacks.
+    /// The identified twin with the linear values of its friction open: what it lacks has misled them
+    /// (a ripple hides a Stribeck curve), so that they are fitted again with what it lacks.
     fn open(&self) -> Twin {
-        Twin { values: BTreeMap::new(), ..self.twin.clone() }
+        let mut open = self.twin.clone();
+        let parameters = CATALOGUE.iter().flat_map(|e| e.about().parameters);
+        let linear = parameters.filter(|p| p.role == Role::Linear);
+        linear.for_each(|p| drop(open.values.remove(p.name)));
+        open
     }
 
     fn print(&self, made: &Experiment) {

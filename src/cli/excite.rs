@@ -1,11 +1,10 @@
 //! `armtwin excite`: a motion within limits that tells what is asked for.
 
-use std::path::PathBuf;
-
 use anyhow::{Context, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::outputs::Output;
+use super::twin::ArmArgs;
 use super::{out, save};
 use crate::excitation::write::{self, Format};
 use crate::excitation::{Ask, Cuboid, Request, Surroundings, design, page};
@@ -33,9 +32,8 @@ breaks a limit, nothing is. Boxes and heights are in metres in the axes of the b
 corner and x1,y1,z1 the opposite one. The links are capsules: look whether their radius covers your
 arm, its cables and its tool. The same seed gives the same files.")]
 pub struct Args {
-    /// The arm (TWIN.toml) [default: the built-in UR5]
-    #[arg(long, value_name = "TWIN")]
-    twin: Option<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArgs,
     /// Length of the motion, with a second of rest at both ends
     #[arg(long, value_name = "S", default_value_t = 30.0, allow_negative_numbers = true)]
     seconds: f64,
@@ -104,7 +102,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     for path in &args.out {
         Format::of(path)?;
     }
-    let twin = super::twin::load(args.twin.as_deref())?;
+    let twin = args.arm.load()?.twin;
     let request = request(args, &twin)?;
     let bar = progress(args.evaluations as u64);
     let designed = design(&twin, &request, |tried| bar.set_position(tried as u64))?;
@@ -125,7 +123,7 @@ fn measure(args: &Args, seeds: u64) -> anyhow::Result<()> {
     if let Some(other) = args.out.iter().find(|p| !markdown(p)) {
         bail!("{}: --study writes Markdown; name the file .md", other.display());
     }
-    let twin = super::twin::load(args.twin.as_deref())?;
+    let twin = args.arm.load()?.twin;
     let goals: Vec<&str> = args.what.split(',').map(str::trim).filter(|g| !g.is_empty()).collect();
     let each = seeds * args.evaluations as u64;
     let bar = progress(each * goals.len() as u64);
@@ -138,8 +136,7 @@ fn measure(args: &Args, seeds: u64) -> anyhow::Result<()> {
         all.push(study::measure(&twin, goal, &request, seeds, done)?);
     }
     bar.finish_and_clear();
-    let source =
-        args.twin.as_ref().map_or_else(String::new, |t| format!(" --twin {}", t.display()));
+    let source = args.arm.as_given();
     let mut text = format!(
         "# What designed motions tell\n\nMade by `armtwin excite{source} --for {} --seconds {} \
          --study {seeds}`, armtwin {}.\n\nExpected 99 % intervals of every parameter under white \

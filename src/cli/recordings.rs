@@ -82,17 +82,28 @@ impl WorkArgs {
         floor_hz: f64,
         watch: &dyn Watch,
     ) -> anyhow::Result<Prepared<'static>> {
-        let recording = Cow::Owned(self.read.read(path)?);
-        let taken = self.reading().take(recording, arm, floor_hz, watch);
-        taken.map_err(|error| match error {
-            WorkflowError::Doubted { .. } => {
-                anyhow!("{error}\n(--force goes on with it as it is; `armtwin inspect` shows more)")
-            }
-            other => other.into(),
-        })
+        let recording = self.read.read(path)?;
+        take(self.reading(), recording, arm, floor_hz, watch)
     }
 
     fn reading(&self) -> Reading {
         Reading { every_row: self.every_row, force: self.force }
     }
+}
+
+/// Holds a recording against `arm`, with a word on how to go on where it contradicts itself.
+pub fn take(
+    reading: Reading,
+    recording: Recording,
+    arm: &Arm,
+    floor_hz: f64,
+    watch: &dyn Watch,
+) -> anyhow::Result<Prepared<'static>> {
+    let taken = reading.take(Cow::Owned(recording), arm, floor_hz, watch);
+    taken.map_err(|error| match error {
+        WorkflowError::Doubted { .. } => {
+            anyhow!("{error}\n(--force goes on with it as it is; `armtwin inspect` shows more)")
+        }
+        other => other.into(),
+    })
 }

@@ -29,6 +29,10 @@ pub struct ArmArgs {
 pub use crate::workflow::Arm;
 
 impl ArmArgs {
+    pub fn of_twin(twin: &Path) -> Self {
+        Self { twin: Some(twin.into()), robot: None }
+    }
+
     pub fn load(&self) -> anyhow::Result<Arm> {
         let (twin, said) = match (&self.twin, &self.robot) {
             (Some(path), _) => (load(Some(path))?, Said::Twin(path.clone())),

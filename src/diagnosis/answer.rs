@@ -8,6 +8,9 @@ use super::Episode;
 use super::criteria::Criteria;
 use crate::effects::{self, Ratio};
 
+/// The effect that positions show beside velocities, not torque.
+pub(super) const LAG: &str = "velocity_lag";
+
 /// The answer in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -222,6 +225,11 @@ impl Cause {
         let in_place =
             |v: &'_ Value| given.iter().find(|r| r.of == v.name).and_then(|r| own(r.name));
         listed.filter(|v| !faint(v)).map(|v| in_place(v).unwrap_or(v)).collect()
+    }
+
+    /// Does torque show it? What a recorded velocity lags by, the positions show.
+    pub fn shows_in_torque(&self) -> bool {
+        self.effect != LAG
     }
 
     /// Are some of its values read as ratios?

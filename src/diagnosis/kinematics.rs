@@ -8,6 +8,7 @@
 //! the velocity where a joint sets off and stops is left on one side of standstill only (a lag of 20 us
 //! where there was none).
 
+use super::answer::LAG;
 use super::observed::Observed;
 use super::{BeforeAfter, Cause, Checked, Settings, Value};
 use crate::effects::{Motion, find};
@@ -16,7 +17,6 @@ use crate::series::JointSeries;
 use crate::signals::{LowPass, central_difference};
 use crate::statistics::{effective_samples, normal_quantile};
 
-const EFFECT: &str = "velocity_lag";
 /// Confidence level of the interval.
 const LEVEL: f64 = 0.9;
 /// Standard deviations from none, on both recordings.
@@ -65,9 +65,8 @@ struct Channel {
 pub fn lagging(fit: &Observed<'_>, check: &Observed<'_>, settings: &Settings) -> Option<Lagging> {
     let channels = [channel(fit)?, channel(check)?];
     let joints = 0..fit.joints();
-    let known = |j: usize| {
-        find(EFFECT).and_then(|e| fit.twin.values_at(e, j)).map_or(0.0, |values| values[0])
-    };
+    let known =
+        |j: usize| find(LAG).and_then(|e| fit.twin.values_at(e, j)).map_or(0.0, |values| values[0]);
     let more = |lag: Lag, j: usize| Lag { value: lag.value - known(j), ..lag };
     let both = |j: usize| channels.each_ref().map(|c| more(slope_of(c, j), j));
     let late = joints.filter_map(|j| agreed(j, both(j), &channels[1]));
@@ -188,13 +187,13 @@ fn in_torque(evidence: &Observed<'_>, channel: &Channel, late: &Late, seed: u64)
 impl Lagging {
     /// `None` where the effect is taken out of the catalogue.
     pub fn cause(&self, settings: &Settings) -> Option<Cause> {
-        if settings.without.iter().any(|name| name == EFFECT) {
+        if settings.without.iter().any(|name| name == LAG) {
             return None;
         }
-        let about = find(EFFECT)?.about();
+        let about = find(LAG)?.about();
         let half = normal_quantile(1.0 - LEVEL) * self.lag.sd;
         let value = Value {
-            name: EFFECT.into(),
+            name: LAG.into(),
             joint: None,
             unit: "s".into(),
             value: self.lag.value,
@@ -291,7 +290,7 @@ mod tests {
         let value = &cause.parameters[0];
         assert!(cause.joints.is_empty() && value.low < 0.01 && 0.01 < value.high, "{cause:?}");
         assert!((value.value - 0.01).abs() < 2e-4 && cause.shrink.fraction > 0.9, "{cause:?}");
-        let without = Settings { without: vec![EFFECT.into()], ..Settings::default() };
+        let without = Settings { without: vec![LAG.into()], ..Settings::default() };
         assert!(lag.cause(&without).is_none());
     }
 
@@ -309,8 +308,8 @@ mod tests {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/effects");
         let mut scenario = Scenario::load(&folder.join("velocity_lag.toml")).unwrap();
         scenario.shorten(30.0);
-        let table = scenario.effects.get_mut(EFFECT).unwrap();
-        table.insert(EFFECT.into(), PerJoint::All(late));
+        let table = scenario.effects.get_mut(LAG).unwrap();
+        table.insert(LAG.into(), PerJoint::All(late));
         let made = scenario.work_out("lag").unwrap();
         let mut simulation = Simulation::new(&made.setup).unwrap();
         let motions = [&made.fit, &made.check];

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::candidate::{Candidate, Place, Term};
-use crate::effects::{Mechanism, Role, Scope};
+use crate::effects::{Effect, Mechanism, Scope};
 use crate::robot::Robot;
 use crate::twin::Twin;
 
@@ -16,20 +16,19 @@ pub struct Model {
 }
 
 impl Model {
-    /// The twin alone; nonlinear parameters of its open effects at their typical values.
+    /// The twin alone; nonlinear parameters of its open effects as it states them, else typical.
     pub fn of(twin: &Twin) -> Self {
-        let everywhere = |effect: &'static dyn crate::effects::Effect| {
-            let joints = if effect.about().scope == Scope::Arm { 0 } else { twin.robot.dof() };
-            let arm = (joints == 0).then_some(Place::Arm);
-            let parameters = effect.about().parameters.iter();
-            let nonlinear: Vec<f64> =
-                parameters.filter(|p| p.role == Role::Nonlinear).map(|p| p.typical).collect();
-            (0..joints)
-                .map(Place::Joint)
-                .chain(arm)
-                .map(move |place| Term::new(Candidate::new(effect, place), nonlinear.clone()))
+        let open = |effect: &'static dyn Effect| -> Vec<Term> {
+            let places: Vec<Place> = match effect.about().scope {
+                Scope::Arm => vec![Place::Arm],
+                _ => (0..twin.robot.dof()).map(Place::Joint).collect(),
+            };
+            let term = |(joint, place)| {
+                Term::new(Candidate::new(effect, place), twin.nonlinear_at(effect, joint))
+            };
+            places.into_iter().enumerate().map(term).collect()
         };
-        let open = twin.open().flat_map(everywhere).collect();
+        let open = twin.open().flat_map(open).collect();
         Self { open, causes: Vec::new(), laden: twin.laden() }
     }
 

@@ -36,16 +36,20 @@ pub fn unexplained(
     criteria: &Criteria,
 ) -> Unexplained {
     let check = &left[1];
-    let sum = |blocks: &Blocks| blocks.squares().iter().sum::<f64>();
-    let rows: usize = check.observed.rows.iter().map(Vec::len).sum();
-    let (b, a) = (sum(before), sum(check.residual));
+    // Every joint counts alike, as in the gap.
+    let mean_square = |blocks: &Blocks| {
+        let rows = check.observed.rows.iter().map(|rows| rows.len().max(1) as f64);
+        let joints = blocks.squares().into_iter().zip(rows).map(|(sum, rows)| sum / rows);
+        joints.sum::<f64>() / floor.len().max(1) as f64
+    };
+    let (b, a) = (mean_square(before), mean_square(check.residual));
     let joints: Vec<UnexplainedJoint> =
         (0..floor.len()).into_par_iter().map(|j| joint(left, j, &floor[j], last)).collect();
     let loud = |j: &UnexplainedJoint| {
         j.discrepancy_nm > 0.0 || j.rms_nm.powi(2) > criteria.above_noise * j.noise_floor_nm.powi(2)
     };
     Unexplained {
-        rms_nm: (a / rows.max(1) as f64).sqrt(),
+        rms_nm: a.sqrt(),
         fraction: if b > 0.0 { a / b } else { 0.0 },
         above_noise: joints.iter().any(loud),
         joints,

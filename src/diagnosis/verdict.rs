@@ -42,15 +42,15 @@ impl<'a> Findings<'a> {
             || kinematics::lagging(fit, check, settings),
         );
         // So many values are for both searches to ask for.
-        let links = links::with_links(blind, &alone);
-        let links = links.and_then(|alone| Some((alone, links::with_links(both, &found)?)));
+        let asked =
+            rayon::join(|| links::with_links(blind, &alone), || links::with_links(both, &found));
         let seen = |(alone, found): (Found<'a>, Found<'a>)| {
             let held = HeldOut::new(&alone.last, check);
             let called = called(both, &judge, &found, &held.causes);
             (found, held, called)
         };
         // Links that do not stand on the check recording must not have driven out what would.
-        let links = links.map(seen).filter(|(_, _, called)| links::stand(&called.fit));
+        let links = asked.0.zip(asked.1).map(seen).filter(|(_, _, c)| links::stand(&c.fit));
         let (found, held, called) = links.unwrap_or_else(|| seen((alone, found)));
         let Called { fit: last, standings, gains, unconfirmed } = called;
         let alone = Fit::plain(blind.data, Model::of(fit.twin));

@@ -39,17 +39,39 @@ pub fn headline(d: &Diagnosis) -> String {
         Verdict::Unexplained => return unexplained(d),
         Verdict::Explained | Verdict::PartlyExplained => effects_found(d),
     };
-    let share = match d.shrink.torque.above_noise() {
-        Some([share, ..]) => format!("{} of the gap above the noise is explained", percent(share)),
-        None => "The gap is no larger than the noise, and yet it is explained".into(),
+    let goes = match d.causes.iter().any(Cause::shows_in_torque) {
+        true => explained(d),
+        false => uncertain(d),
     };
     // The causes that count least wait for the table below.
-    let told = |n: usize| format!("{share}: the twin lacks {}.", listed(&found, n));
+    let told = |n: usize| format!("{goes}he twin lacks {}.", listed(&found, n));
     (1..=found.len())
         .rev()
         .map(told)
         .find(|t| t.chars().count() <= TWO_LINES)
         .unwrap_or_else(|| told(1))
+}
+
+fn explained(d: &Diagnosis) -> String {
+    match d.shrink.torque.above_noise() {
+        Some([share, ..]) => {
+            format!("{} of the gap above the noise is explained: t", percent(share))
+        }
+        None => "The gap is no larger than the noise, and yet it is explained: t".into(),
+    }
+}
+
+/// What takes torque off where no named cause does.
+fn uncertain(d: &Diagnosis) -> String {
+    let names: Vec<String> = d.adjustments.iter().map(|a| a.effect.clone()).collect();
+    match d.shrink.torque.above_noise() {
+        Some([share, ..]) if !names.is_empty() => format!(
+            "{} of the gap above the noise goes with {}, of which no value is sure. Besides, t",
+            percent(share),
+            listed(&names, TOLD)
+        ),
+        _ => "T".into(),
+    }
 }
 
 /// What belongs to the headline: the gap in N.m, what stays, and who pushed.
@@ -64,7 +86,7 @@ pub fn further(d: &Diagnosis) -> String {
         Verdict::NoGap => vec![pushes(d)],
         Verdict::Unexplained => vec![stays(d), pushes(d)],
         Verdict::Explained => vec![sizes, "No more than noise stays.".into(), pushes(d)],
-        Verdict::PartlyExplained => vec![sizes, stays(d), pushes(d)],
+        Verdict::PartlyExplained => vec![sizes, rest(d), pushes(d)],
     };
     parts.into_iter().filter(|p| !p.is_empty()).collect::<Vec<_>>().join(" ")
 }
@@ -114,20 +136,25 @@ fn shrinks(d: &Diagnosis) -> String {
     )
 }
 
-/// What the causes leave: how much, where, and on what it depends.
+/// What the causes leave: how much, how much of it is noise, where the rest is, and on what it depends.
 pub fn stays(d: &Diagnosis) -> String {
-    let left = &d.unexplained;
-    if !left.above_noise {
-        return format!("{:.2} N.m stay, no more than noise.", left.rms_nm);
+    let torque = &d.shrink.torque;
+    let (stay, noise) = (torque.after_nm, torque.noise_floor_nm);
+    match d.unexplained.above_noise {
+        true => format!("{stay:.2} N.m stay, {noise:.2} N.m of them noise. {}", rest(d)),
+        false => format!("{stay:.2} N.m stay, no more than noise."),
     }
+}
+
+/// Where most of what stays above the noise is, and on what it depends.
+fn rest(d: &Diagnosis) -> String {
     let excess = |j: &&UnexplainedJoint| j.rms_nm - j.noise_floor_nm;
-    let most = left.joints.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)));
-    let place = most.map_or(String::new(), |j| {
+    let most = d.unexplained.joints.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)));
+    most.map_or(String::new(), |j| {
         let along = j.depends_on.first();
         let along = along.map_or(String::new(), |d| format!(", going along with {}", d.variable));
-        format!(", most of it at joint {}{along}", j.joint)
-    });
-    format!("{:.2} N.m stay unexplained{place}.", left.rms_nm)
+        format!("Most of the rest is at joint {}{along}.", j.joint)
+    })
 }
 
 /// When something pushed at the arm, where a force on one link explains all joints.
@@ -224,11 +251,18 @@ pub fn adjustment(a: &Cause) -> String {
     )
 }
 
-/// What is told of a cause first: its first value; of many links that of the link that is off the most.
+/// What is told of a cause first: its first value; of many links that of the link that is off the most, as
+/// far as the data tell one, else the value that they tell best.
 pub fn foremost(cause: &Cause) -> Option<&Value> {
     let first = cause.parameters.first()?;
-    let alike = cause.parameters.iter().filter(|v| v.name == first.name);
-    alike.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))
+    let own = |v: &&Value| v.name == first.name;
+    if cause.parameters.iter().filter(own).count() < 2 {
+        return Some(first);
+    }
+    let told = || cause.parameters.iter().filter(|v| v.low > 0.0 || v.high < 0.0);
+    let largest = told().filter(own).max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
+    let sharp = |v: &Value| v.value.abs() / (v.high - v.low);
+    largest.or_else(|| told().max_by(|a, b| sharp(a).total_cmp(&sharp(b))))
 }
 
 /// `link_mass` or, of several joints, `link_mass, joint 2`.

@@ -4,11 +4,12 @@
 
 use nalgebra::{Matrix3xX, Vector3};
 
+use super::flange::torque_per_force;
 use super::{
     About, ArmState, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope,
     Worked,
 };
-use crate::robot::{Robot, flange_placement, point_jacobian};
+use crate::robot::{Robot, flange_placement};
 use crate::series::JointSeries;
 
 pub struct ExternalContact;
@@ -117,19 +118,15 @@ impl Effect for ExternalContact {
     }
 
     fn reach(&self, motion: &Motion<'_>, _: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
-        let dof = motion.q.joints();
-        let mut columns = vec![JointSeries::zeros(dof, motion.samples()); 3];
-        let mut q = vec![0.0; dof];
-        for k in 0..motion.samples() {
-            motion.q.sample_into(k, &mut q);
-            let Some(per_force) = touched(motion.robot, &q, motion.time(k), nonlinear) else {
-                continue;
-            };
-            for (axis, column) in columns.iter_mut().enumerate() {
-                (0..dof).for_each(|j| column.joint_mut(j)[k] = per_force[(axis, j)]);
-            }
-        }
-        columns
+        let flange = motion.flange();
+        let touches: Vec<bool> = (0..motion.samples())
+            .map(|k| in_time(motion.time(k), nonlinear) && low(flange.height[k], nonlinear))
+            .collect();
+        let while_it_touches = |all: &JointSeries| {
+            let gated = |(torque, touches): (&f64, &bool)| if *touches { *torque } else { 0.0 };
+            all.map_joints(|_, torque| torque.iter().zip(&touches).map(gated).collect())
+        };
+        flange.per_force.iter().map(while_it_touches).collect()
     }
 
     fn act(&self, values: &[f64], state: &JointState<'_>, _: &mut [f64], load: &mut JointLoad) {
@@ -157,14 +154,17 @@ impl Effect for ExternalContact {
 
 /// N.m at every joint (columns) per N along x, y, z (rows); `None` where nothing touches.
 fn touched(robot: &Robot, q: &[f64], time: f64, gate: &[f64]) -> Option<Matrix3xX<f64>> {
-    let (start, duration, height) = (gate[0], gate[1], gate[2]);
-    let in_time = (start..start + duration).contains(&time);
-    let low = || height >= OPEN_M || flange_placement(robot, q).translation.z <= height;
-    if !in_time || robot.dof() == 0 || !low() {
-        return None;
-    }
-    let jacobian = point_jacobian(robot, q, robot.dof() - 1, &robot.flange.translation);
-    Some(-jacobian.fixed_rows::<3>(0))
+    let touches = in_time(time, gate)
+        && (gate[2] >= OPEN_M || low(flange_placement(robot, q).translation.z, gate));
+    touches.then(|| torque_per_force(robot, q))
+}
+
+fn in_time(time: f64, gate: &[f64]) -> bool {
+    (gate[0]..gate[0] + gate[1]).contains(&time)
+}
+
+fn low(height: f64, gate: &[f64]) -> bool {
+    gate[2] >= OPEN_M || height <= gate[2]
 }
 
 /// Above any arm, m: a contact wherever it is.
@@ -191,12 +191,7 @@ fn windows(motion: &Motion<'_>) -> Vec<[f64; 2]> {
 
 /// Heights, m, below which the flange is for given shares of the motion.
 fn heights(motion: &Motion<'_>) -> Vec<f64> {
-    let mut q = vec![0.0; motion.q.joints()];
-    let mut height = |k: usize| {
-        motion.q.sample_into(k, &mut q);
-        flange_placement(motion.robot, &q).translation.z
-    };
-    let mut all: Vec<f64> = (0..motion.samples()).map(&mut height).collect();
+    let mut all = motion.flange().into_owned().height;
     all.sort_by(f64::total_cmp);
     let at = |share: f64| all.get((share * all.len() as f64) as usize).copied();
     SHARES.into_iter().filter_map(at).collect()

@@ -16,6 +16,7 @@ mod coulomb_asymmetry;
 mod current_offset;
 mod encoder_offset;
 mod external_contact;
+mod flange;
 mod hysteresis;
 mod joint_coupling;
 mod joint_flexibility;

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::Transmission;
+use super::flange::Flange;
 use super::rigid::{self, Regressor, Rigid, Slopes};
 use crate::robot::{Robot, Told};
 use crate::series::JointSeries;
@@ -89,6 +90,14 @@ impl<'a> Motion<'a> {
         match self.rigid {
             Some(kept) => Cow::Borrowed(kept.regressor(self.robot, self.series(), link)),
             None => Cow::Owned(rigid::regressor(self.robot, self.series(), link)),
+        }
+    }
+
+    /// Where the flange goes.
+    pub fn flange(&self) -> Cow<'a, Flange> {
+        match self.rigid {
+            Some(kept) => Cow::Borrowed(kept.flange(self.robot, self.q)),
+            None => Cow::Owned(Flange::along(self.robot, self.q)),
         }
     }
 

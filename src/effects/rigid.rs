@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::flange::Flange;
 use crate::robot::{Robot, body_regressor_series, inverse_dynamics_series};
 use crate::series::JointSeries;
 
@@ -17,8 +18,15 @@ const STEP_RAD_S2: f64 = 1.0;
 pub struct Rigid {
     torque: OnceLock<JointSeries>,
     slopes: Vec<OnceLock<Slopes>>,
-    /// Regressors of every link, which do not depend on what the links weigh.
-    regressors: Arc<[OnceLock<Regressor>]>,
+    unweighed: Arc<Unweighed>,
+}
+
+/// What does not depend on what the links weigh.
+#[derive(Debug)]
+struct Unweighed {
+    /// Regressors of every link.
+    regressors: Vec<OnceLock<Regressor>>,
+    flange: OnceLock<Flange>,
 }
 
 /// Torque of every joint per unit of a link's ten inertial parameters.
@@ -30,17 +38,18 @@ pub struct Slopes(pub [JointSeries; 3]);
 
 impl Rigid {
     pub fn new(joints: usize) -> Self {
-        Self::beside((0..joints).map(|_| OnceLock::new()).collect())
+        let regressors = (0..joints).map(|_| OnceLock::new()).collect();
+        Self::beside(Arc::new(Unweighed { regressors, flange: OnceLock::new() }))
     }
 
     /// Values for a robot that differs in what its links weigh alone, along the same motion.
     pub fn of_other_load(&self) -> Self {
-        Self::beside(self.regressors.clone())
+        Self::beside(self.unweighed.clone())
     }
 
-    fn beside(regressors: Arc<[OnceLock<Regressor>]>) -> Self {
-        let slopes = regressors.iter().map(|_| OnceLock::new()).collect();
-        Self { torque: OnceLock::new(), slopes, regressors }
+    fn beside(unweighed: Arc<Unweighed>) -> Self {
+        let slopes = unweighed.regressors.iter().map(|_| OnceLock::new()).collect();
+        Self { torque: OnceLock::new(), slopes, unweighed }
     }
 
     pub(super) fn regressor(
@@ -49,7 +58,11 @@ impl Rigid {
         motion: [&JointSeries; 3],
         link: usize,
     ) -> &Regressor {
-        kept(&self.regressors[link], || regressor(robot, motion, link))
+        kept(&self.unweighed.regressors[link], || regressor(robot, motion, link))
+    }
+
+    pub(super) fn flange(&self, robot: &Robot, q: &JointSeries) -> &Flange {
+        kept(&self.unweighed.flange, || Flange::along(robot, q))
     }
 
     pub(super) fn torque(&self, robot: &Robot, motion: [&JointSeries; 3]) -> &JointSeries {

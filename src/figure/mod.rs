@@ -1,9 +1,11 @@
 //! What a plot shows, as data: lines over one quantity, panel by panel. `svg` draws a figure as a file,
 //! `report::html` as plots that can be zoomed, `viewer` shows its lines in a window.
 
+#[cfg(feature = "studies")]
 mod svg;
 mod thin;
 
+#[cfg(feature = "studies")]
 pub use svg::{FigureError, draw};
 pub use thin::{every, over_time, runs, thinned};
 
@@ -120,6 +122,7 @@ impl Figure {
 
     /// # Errors
     /// If the plotting library refuses.
+    #[cfg(feature = "studies")]
     pub fn svg(&self) -> Result<String, FigureError> {
         draw(&self.panels, self.columns)
     }

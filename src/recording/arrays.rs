@@ -1,15 +1,14 @@
 //! A recording from numbers that are at hand.
 
 use super::check::refuse_bad;
-use super::mend::{drop_rows, most_leading, most_without};
 use super::{Channel, Provenance, Recording, RecordingError};
 use crate::series::JointSeries;
 
 impl Recording {
     /// A recording from signals of all joints by their RTDE names without index (`actual_q`,
     /// `actual_qd`, `target_q` in rad and seconds; `actual_current` in A or `joint_torque` in N.m; ...),
-    /// each with as many samples as `time` (s). It must do what a recording of a file must: rows without a number
-    /// are left out where they are few, and a note says so.
+    /// each with as many samples as `time` (s). It must do what a recording of a file must: rows without a number,
+    /// or with the stamp of the row before, are left out where they are few, and a note says so.
     ///
     /// ```
     /// use armtwin::{Recording, series::JointSeries};
@@ -58,40 +57,9 @@ impl Recording {
         let provenance = Provenance { source: file(), format: "arrays".into(), notes: Vec::new() };
         let mut recording = Self { time, channels, provenance };
         let mut rows: Vec<usize> = (1..=recording.time.len()).collect();
-        recording.leave_out_empty(&mut rows)?;
+        recording.mend(&mut rows)?;
         refuse_bad(&recording, "time", &rows)?;
         Ok(recording)
-    }
-
-    /// Leaves out rows with something that is no number, at the start and a few others, as of a file.
-    fn leave_out_empty(&mut self, rows: &mut Vec<usize>) -> Result<(), RecordingError> {
-        let mut empty = vec![false; self.time.len()];
-        for column in std::iter::once(&self.time).chain(self.channels.iter().map(|c| &c.values)) {
-            empty.iter_mut().zip(column).for_each(|(e, v)| *e |= !v.is_finite());
-        }
-        let out: Vec<usize> = (0..empty.len()).filter(|k| empty[*k]).collect();
-        let Some(first) = out.first() else { return Ok(()) };
-        let leading = empty.iter().take_while(|e| **e).count().min(most_leading(empty.len()));
-        let others = out.len() - leading;
-        if others > most_without(empty.len()) {
-            let is_bad = |c: &&Channel| c.values.iter().any(|v| !v.is_finite());
-            let column = self.channels.iter().find(is_bad).map_or("time", |c| &c.name).to_string();
-            let file = self.provenance.source.clone();
-            let (row, count) = (out[leading] + 1, others);
-            return Err(RecordingError::NoNumber { file, column, row, count });
-        }
-        self.provenance.notes.push(format!(
-            "dropped {} row(s) without a number, the first is row {}",
-            out.len(),
-            first + 1
-        ));
-        let mut columns: Vec<Vec<f64>> =
-            self.channels.iter_mut().map(|c| std::mem::take(&mut c.values)).collect();
-        columns.push(std::mem::take(&mut self.time));
-        drop_rows(&mut columns, rows, &out);
-        self.time = columns.pop().unwrap_or_default();
-        self.channels.iter_mut().zip(columns).for_each(|(c, values)| c.values = values);
-        Ok(())
     }
 }
 

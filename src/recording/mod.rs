@@ -15,9 +15,11 @@ mod error;
 mod file;
 mod format;
 mod formats;
+#[cfg(feature = "parquet")]
 mod guard;
 mod halves;
 pub mod inspection;
+#[cfg(feature = "live")]
 mod journal;
 #[cfg(feature = "parquet")]
 mod lerobot;
@@ -49,6 +51,7 @@ pub use draft::{Draft, draft};
 pub use error::RecordingError;
 pub use format::{Format, WriteOptions};
 pub use formats::{FORMATS, read, read_by, write, writer};
+#[cfg(feature = "live")]
 pub use journal::{JOURNALED, Journal, journal_of, journaled};
 pub use rtde_csv::write_csv;
 pub use same::refuse_same;

@@ -111,12 +111,13 @@ fn read(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingErro
         let values = if needed { column.clone() } else { std::mem::take(column) };
         channels.push(Channel { name: name.clone(), values: scaled(values, *scale) });
     }
-    let recording = Recording {
+    let mut recording = Recording {
         time: scaled(std::mem::take(&mut columns[time.at]), time.scale),
         channels,
         provenance: Provenance { source: file, format, notes },
     };
-    let lines: Vec<usize> = (1..=rows).collect();
+    let mut lines: Vec<usize> = (1..=rows).collect();
+    recording.mend(&mut lines)?;
     refuse_bad(&recording, schema.field(time.at).name(), &lines)?;
     Ok(recording)
 }
@@ -318,48 +319,27 @@ fn seconds_per_unit(kind: &DataType) -> f64 {
     }
 }
 
+/// The numbers of a column; what is no number, or beyond anything an arm does, is not a number.
 pub(super) fn extend(
     column: &mut Vec<f64>,
     values: &ArrayRef,
     name: &str,
     file: &str,
 ) -> Result<(), RecordingError> {
-    let wrong = |row: usize, what: String, remedy| RecordingError::Cell {
-        file: file.into(),
-        row,
-        column: name.into(),
-        what,
-        remedy,
-    };
-    let first = column.len();
     // Calendar types go by way of whole numbers.
     let whole = match values.data_type() {
         DataType::Timestamp(..) | DataType::Duration(_) => cast(values, &DataType::Int64),
         _ => Ok(values.clone()),
     };
-    let numbers = whole
-        .and_then(|v| cast(&v, &DataType::Float64))
-        .map_err(|e| wrong(first + 1, e.to_string(), "take columns of numbers only"))?;
+    let row = column.len() + 1;
+    let numbers = whole.and_then(|v| cast(&v, &DataType::Float64)).map_err(|e| {
+        let (file, column, what) = (file.into(), name.into(), e.to_string());
+        let remedy = "take columns of numbers only";
+        RecordingError::Cell { file, row, column, what, remedy }
+    })?;
     let numbers = numbers.as_primitive::<Float64Type>();
-    for (k, value) in numbers.iter().enumerate() {
-        match value {
-            Some(v) if v.abs() <= LARGEST => column.push(v),
-            Some(v) => {
-                return Err(wrong(
-                    first + k + 1,
-                    format!("the value is {v:e}, beyond anything an arm does"),
-                    "mend or delete the row",
-                ));
-            }
-            None => {
-                return Err(wrong(
-                    first + k + 1,
-                    "the cell is empty".into(),
-                    "mend or delete the row",
-                ));
-            }
-        }
-    }
+    let sound = |v: &f64| v.abs() <= LARGEST;
+    column.extend(numbers.iter().map(|value| value.filter(sound).unwrap_or(f64::NAN)));
     Ok(())
 }
 

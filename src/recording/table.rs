@@ -259,7 +259,7 @@ impl Table {
         self.note_dropped(text, others, "row(s)");
         let out: Vec<usize> = faults.iter().map(|f| f.row).collect();
         drop_rows(&mut self.columns, &mut self.lines, &out);
-        self.notes.extend(drop_repeated(&mut self.columns, &mut self.lines));
+        self.notes.extend(drop_repeated(&mut self.columns, &mut self.lines, "line"));
         Ok(())
     }
 

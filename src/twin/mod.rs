@@ -69,6 +69,16 @@ impl Twin {
         complete(effect, value).ok()
     }
 
+    /// The nonlinear parameters of an open effect at one joint: as far as the twin states them, else
+    /// typical.
+    pub fn nonlinear_at(&self, effect: &dyn Effect, joint: usize) -> Vec<f64> {
+        let about = effect.about();
+        let at = if about.scope == Scope::Arm { 0 } else { joint };
+        let stated = |name: &str| self.values.get(name).and_then(|v| v.get(at)).copied();
+        let nonlinear = about.parameters.iter().filter(|p| p.role == Role::Nonlinear);
+        nonlinear.map(|p| stated(p.name).unwrap_or(p.typical)).collect()
+    }
+
     /// What the drive must supply along a motion of `self.robot`, N.m.
     pub fn torque(&self, motion: &Motion<'_>) -> JointSeries {
         let mut tau = inverse_dynamics_series(&self.robot, motion.q, motion.qd, motion.qdd);

@@ -21,6 +21,18 @@ fn the_demo_finds_what_it_hid() {
     }
     let sections =
         ["torque", "causes", "gap", "friction", "residual", "ranking", "shrink", "left", "about"];
+    // The mended twin holds each joint's own Stribeck velocity, as identified.
+    let twin: toml::Table =
+        fs::read_to_string(folder.join("twin.toml")).unwrap().parse().expect("a twin");
+    let velocity = twin["twin"]["values"]["stribeck_velocity"].as_array().unwrap();
+    let velocity: Vec<f64> = velocity.iter().filter_map(toml::Value::as_float).collect();
+    for (joint, (found, truth)) in
+        velocity.iter().zip([0.05, 0.045, 0.055, 0.04, 0.05, 0.035]).enumerate()
+    {
+        // The hidden ripple covers the curve of joint 3.
+        assert!(joint == 2 || (found / truth - 1.0).abs() < 0.15, "{joint}: {velocity:?}");
+    }
+    assert!(velocity[3] != velocity[4], "{velocity:?}");
     // The first picture, torque over time and over speed of six joints, what is left at the open one.
     browser::assert_sound(&folder.join("report.html"), &sections, 2 + 6 + 6 + 5);
     #[cfg(feature = "viewer")]

@@ -165,6 +165,13 @@ fn wrong_units_stop_every_command_and_force_goes_on() {
         assert!(seen.code == 0 && flat.contains(part), "{part}: {}", seen.stdout);
     }
     write(scaled(&fit, "actual_current", -1.0));
+    let cases = folder.path().join("cases");
+    let twin = "scenarios/twins/ur5.toml";
+    let drawn = ["trial", "draw", "--on", text(&log), "--twin", twin, "--out", text(&cases)];
+    let refused = armtwin(&drawn);
+    assert_eq!(refused.code, 1, "{}", refused.stdout);
+    assert!(refused.stderr.contains("opposite sign") && refused.stderr.contains("--force"));
+    assert!(!cases.exists());
     let forced = armtwin(&["identify", text(&log), "--method", "nlse", "--force"]);
     assert_eq!(forced.code, 0, "{}", forced.stderr);
     assert!(forced.stderr.contains("warning: ") && forced.stderr.contains("opposite sign"));

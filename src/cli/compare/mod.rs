@@ -2,7 +2,6 @@
 
 #[cfg(feature = "viewer")]
 mod build;
-#[cfg(feature = "viewer")]
 pub(super) mod fit;
 #[cfg(feature = "viewer")]
 mod judge;
@@ -68,6 +67,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 
     use super::progress::Progress;
     use super::stream::Deliveries;
+    use crate::signals::Conditioning;
     use crate::viewer::write_rrd;
 
     let arm = args.arm.load()?;
@@ -79,7 +79,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     )?;
     let twin = &arm.twin;
     let terms = fit::terms(twin, args.arm.twin.is_some())?;
-    let how = args.conditioning.conditioning();
+    let how = args.conditioning.options().over(Conditioning::default());
     let link = args.live.open()?;
     let compared = build::compare(&recording, twin, terms.as_ref(), &how, link.as_ref())
         .with_context(|| args.recording.display().to_string())?;

@@ -6,9 +6,14 @@ use anyhow::{Context, bail};
 
 use super::{on_threads, progress};
 use crate::cli::outputs::Output;
+use crate::cli::progress::Progress;
+use crate::cli::recordings::take;
 use crate::cli::save;
+use crate::cli::twin::{Arm, ArmArgs};
 use crate::diagnosis::Settings;
+use crate::recording::{self, Recording};
 use crate::trials::{Draw, DrawOn, Names, Seals, Sources, draw, draw_on, import};
+use crate::workflow::{Reading, SignalOptions};
 
 /// Make cases with sealed labels, by simulation or on your own recordings, or take cases made elsewhere
 #[derive(clap::Args)]
@@ -24,7 +29,8 @@ With --on, known effects are grafted onto recordings of your own arm: what an ef
 drive along the recorded motion is added to the recorded current or torque, so that noise, masses
 and all else that the twin lacks are those of the arm. Every ordered pair of the recordings is a
 case of its own as well, untouched. Strength: torque of the effect that the twin cannot fit away,
-over what the twin leaves of the untouched recording.")]
+over what the twin leaves of the untouched recording. Of a part of a recording: cut it first, with
+`armtwin convert --from S --to S`.")]
 pub struct Args {
     /// Folder for the cases; it must not hold a trial
     #[arg(long, value_name = "DIR")]
@@ -58,6 +64,9 @@ pub struct Args {
     /// Column map of --on's recordings [default: RTDE names]
     #[arg(long, value_name = "MAP", requires = "on")]
     columns: Option<PathBuf>,
+    /// Go on although a recording of --on contradicts its column names or the arm
+    #[arg(long, requires = "on")]
+    force: bool,
     /// How strong --on's effects are, over what the twin leaves [default: .5,1,2,4]
     #[arg(long, value_name = "X,...", value_delimiter = ',', requires = "on")]
     strengths: Vec<f64>,
@@ -129,14 +138,26 @@ impl Args {
             settings: usual.settings,
         };
         self.tell(&mut how.settings);
-        let twin = crate::cli::twin::load(Some(twin))?;
-        let sources = Sources::read(&self.on, self.columns.as_deref()).context("--on")?;
+        let arm = ArmArgs::of_twin(twin).load()?;
+        let sources = Sources::new(self.recordings(&arm)?).context("--on")?;
         let bar = progress(0, "drawing");
         let begin = |cases: usize| bar.set_length(cases as u64);
-        let draw = || Ok(draw_on(&how, &twin, &sources, &self.out, &begin, &|| bar.inc(1))?);
+        let draw = || Ok(draw_on(&how, &arm.twin, &sources, &self.out, &begin, &|| bar.inc(1))?);
         let seals = on_threads(self.jobs, draw)?;
         bar.finish_and_clear();
         Ok(seals)
+    }
+
+    /// The recordings of --on, each held against the arm first, as every command does.
+    fn recordings(&self, arm: &Arm) -> anyhow::Result<Vec<Recording>> {
+        let bar = Progress::default();
+        let floor_hz = SignalOptions::default().floor_hz();
+        let one = |path: &PathBuf| {
+            let recording = recording::read(path, self.columns.as_deref())?;
+            let how = Reading { every_row: false, force: self.force };
+            Ok(take(how, recording, arm, floor_hz, &bar)?.into_owned())
+        };
+        self.on.iter().map(one).collect()
     }
 
     /// What the answerer is told, where the user says.

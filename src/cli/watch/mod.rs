@@ -113,8 +113,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let ended = watching.take_all(&feed, args, &stop);
     let shown = watching.end(&feed)?;
     let mut sent = Deliveries::default();
-    if let Some(shown) = shown {
-        sent.push(shown.end());
+    if let Some(delivery) = shown.map(Watched::end) {
+        sent.push(delivery);
     }
     ended?;
     sent.end(link)

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
+#[cfg(feature = "parquet")]
 use crate::recording::format::Format;
+#[cfg(feature = "parquet")]
 use crate::recording::parquet_file::{self, Parquet};
 use crate::recording::text::{Delimiter, Layout, Text};
 use crate::recording::{RecordingError, table};
@@ -41,6 +43,7 @@ impl Columns {
 }
 
 pub fn read(path: &Path) -> Result<Columns, RecordingError> {
+    #[cfg(feature = "parquet")]
     if Parquet.reads(path) {
         return parquet(path);
     }
@@ -60,6 +63,7 @@ pub fn read(path: &Path) -> Result<Columns, RecordingError> {
     Ok(Columns { names: text.header, values, time, layout: lines, notes: table.notes })
 }
 
+#[cfg(feature = "parquet")]
 fn parquet(path: &Path) -> Result<Columns, RecordingError> {
     let (names, values) = parquet_file::columns(path)?;
     let time = time(Some(&names), &values);

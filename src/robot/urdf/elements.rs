@@ -78,8 +78,18 @@ pub(super) fn read<'a>(
         .map(|node| named(file, "link", node).map(|element| Link { name: element.name, element }));
     let joints =
         children(robot, "joint").map(|node| named(file, "joint", node).and_then(Element::joint));
-    Ok((links.collect::<Result<_, _>>()?, joints.collect::<Result<_, _>>()?))
+    let (mut links, joints): (Vec<Link>, Vec<Joint>) =
+        (links.collect::<Result<_, _>>()?, joints.collect::<Result<_, _>>()?);
+    let hangs_on_world = joints.iter().any(|j| j.parent == WORLD);
+    if hangs_on_world && links.iter().all(|l| l.name != WORLD) {
+        let element = Element { file, kind: "link", name: WORLD, node: robot };
+        links.push(Link { name: WORLD, element });
+    }
+    Ok((links, joints))
 }
+
+/// Exists without being defined, as in Drake.
+const WORLD: &str = "world";
 
 fn named<'a>(
     file: File<'a>,

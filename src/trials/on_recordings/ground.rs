@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::effects::{Effect, Motion, Role, Scope};
+use crate::effects::{Motion, Scope};
 use crate::recording::Recording;
 use crate::regression::qr::{Qr, unexplained};
 use crate::robot::Robot;
@@ -109,10 +109,10 @@ impl Ground {
         for effect in twin.open() {
             let all: Vec<Vec<f64>> = match effect.about().scope {
                 Scope::Link => (0..self.dof())
-                    .flat_map(|from| effect.reach(&motion, from, &values(effect, twin, from)))
+                    .flat_map(|from| effect.reach(&motion, from, &twin.nonlinear_at(effect, from)))
                     .map(|series| series.joint(joint).to_vec())
                     .collect(),
-                _ => effect.columns(&motion, joint, &values(effect, twin, joint)),
+                _ => effect.columns(&motion, joint, &twin.nonlinear_at(effect, joint)),
             };
             open.extend(all.iter().map(|column| self.taken(joint, column)));
         }
@@ -150,15 +150,6 @@ impl Ground {
         let Some(sensed) = &self.samples.sensed else { return Vec::new() };
         self.sliding(&difference(&sensed.qd, &self.samples.qd))
     }
-}
-
-/// The nonlinear parameters of an open effect: as far as the twin knows them, else typical.
-fn values(effect: &dyn Effect, twin: &Twin, joint: usize) -> Vec<f64> {
-    let about = effect.about();
-    let at = if about.scope == Scope::Arm { 0 } else { joint };
-    let known = |name: &str| twin.values.get(name).and_then(|v| v.get(at)).copied();
-    let nonlinear = about.parameters.iter().filter(|p| p.role == Role::Nonlinear);
-    nonlinear.map(|p| known(p.name).unwrap_or(p.typical)).collect()
 }
 
 fn difference(a: &JointSeries, b: &JointSeries) -> JointSeries {

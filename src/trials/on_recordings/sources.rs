@@ -1,10 +1,8 @@
 //! The recordings that effects are grafted onto.
 
-use std::path::{Path, PathBuf};
-
 use super::Ground;
 use crate::diagnosis::conditioning;
-use crate::recording::{Recording, read};
+use crate::recording::{Recording, refuse_same};
 use crate::signals::Conditioning;
 use crate::trials::TrialError;
 use crate::twin::Twin;
@@ -16,15 +14,8 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Reads the recordings; one alone is cut in halves.
+    /// Recordings of one arm; one alone is cut in halves.
     ///
-    /// # Errors
-    /// If a file cannot be read, or two hold the same samples.
-    pub fn read(files: &[PathBuf], columns: Option<&Path>) -> Result<Self, TrialError> {
-        let read = |file: &PathBuf| read(file, columns);
-        Self::new(files.iter().map(read).collect::<Result<_, _>>()?)
-    }
-
     /// # Errors
     /// If there is none, or two hold the same samples.
     pub fn new(mut recordings: Vec<Recording>) -> Result<Self, TrialError> {
@@ -35,16 +26,7 @@ impl Sources {
             return Err(TrialError::Usage("--on: name at least one recording".into()));
         }
         for (i, one) in recordings.iter().enumerate() {
-            let same =
-                |other: &&Recording| other.time == one.time && other.channels == one.channels;
-            if let Some(other) = recordings[..i].iter().find(same) {
-                let file = Path::new(&one.provenance.source);
-                let problem = format!(
-                    "holds the same samples as {}; another recording must decide",
-                    other.provenance.source
-                );
-                return Err(TrialError::file(file, problem));
-            }
+            recordings[..i].iter().try_for_each(|other| refuse_same(other, one))?;
         }
         Ok(Self { recordings })
     }

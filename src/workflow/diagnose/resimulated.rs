@@ -8,7 +8,7 @@ use crate::resimulation::{
 };
 use crate::series::JointSeries;
 use crate::signals::Samples;
-use crate::simulation::ControllerSettings;
+use crate::simulation::{ControllerSettings, Glimpse};
 use crate::twin::Twin;
 
 /// Adds what the causes bring in the simulation to `diagnosis`; a note where that cannot be said.
@@ -35,8 +35,13 @@ pub fn add(
         Err(error) => return Ok(not_simulated(diagnosis, &error)),
     };
     let controller = ControllerSettings::default();
+    let whole = (1000.0 * samples.dt * samples.len() as f64) as u64;
     let of = |twin: &Twin| -> Result<(Errors, Replayed), ResimulationError> {
-        let replayed = closed_loop(twin, &command, samples, &controller, &mut |_| !watch.stops())?;
+        let mut follow = |seen: &Glimpse<'_>| {
+            watch.tell("simulating", (1000.0 * seen.time_s) as u64, whole);
+            !watch.stops()
+        };
+        let replayed = closed_loop(twin, &command, samples, &controller, &mut follow)?;
         Ok((errors(twin, &replayed, samples)?, replayed))
     };
     let (before, after) = match diagnosis.causes.is_empty() {

@@ -83,6 +83,20 @@ fn of_duplicates_the_first_is_taken() {
     assert_like(&arm("INERTIAL", &inside), &sound(), &["links `upper`, `lower`: 2 <origin>"]);
 }
 
+/// As in Drake; with another parent that is not defined, it is a mistake.
+#[test]
+fn the_world_need_not_be_defined() {
+    let joint = r#"<joint name="weld" type="fixed"><parent link="world"/><child link="base"/>
+                   <origin rpy="1.5707963267948966 0 0"/></joint></robot>"#;
+    let hung = loaded(&sound().replace("</robot>", joint));
+    assert_eq!(hung.base, "world");
+    assert_eq!(hung.robot.bodies.len(), loaded(&sound()).robot.bodies.len());
+    let [moved, own] = [&hung, &loaded(&sound())].map(|l| l.robot.bodies[0].joint.placement);
+    assert!((moved.rotation - own.rotation).norm() > 1.0, "the base is turned against the world");
+    let other = sound().replace("</robot>", &joint.replace("world", "wold"));
+    assert!(refusal(&other).contains("`wold` does not exist"));
+}
+
 #[test]
 fn missing_limits_are_none() {
     let free = loaded(&arm("LIMIT", ""));
