@@ -11,7 +11,7 @@ use super::{
 use crate::diagnosis::{
     By, Cause, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink,
 };
-use crate::effects::{Seen, find};
+use crate::effects::{Role, Seen, find};
 use crate::follow::Watch;
 use crate::series::JointSeries;
 use crate::twin::Twin;
@@ -79,6 +79,10 @@ pub fn prove(
     keep_open(&mut diagnosis.fitted, twin, &after.twin);
     let all = diagnosis.causes.iter_mut().chain(&mut diagnosis.adjustments);
     all.for_each(|cause| keep_cause(cause, twin, &after.estimates));
+    // What a simulation holds to be absent stays in the mended twin and is not named.
+    let (absent, named) = std::mem::take(&mut diagnosis.causes).into_iter().partition(is_absent);
+    diagnosis.causes = named;
+    diagnosis.adjustments.extend::<Vec<Cause>>(absent);
     let stretches = check.stretches(f64::INFINITY);
     let of = |twin: &Twin| replay(twin, check, &stretches);
     let (q_before, q_after) = rayon::join(|| of(&before.twin), || of(&after.twin));
@@ -131,6 +135,17 @@ fn keep_cause(cause: &mut Cause, twin: &Twin, estimates: &[Estimate]) {
             (found.value - less, found.low - less, found.high - less);
         value.at_bound = found.at_bound;
     }
+}
+
+/// Do the intervals of all values by which a cause is what it is hold that it is not there?
+fn is_absent(cause: &Cause) -> bool {
+    let effect = find(&cause.effect);
+    let counts = |name: &str| {
+        let own = effect.and_then(|e| e.about().parameters.iter().find(|p| p.name == name));
+        own.is_some_and(|p| p.role == Role::Linear)
+    };
+    let mut values = cause.parameters.iter().filter(|v| counts(&v.name)).peekable();
+    values.peek().is_some() && values.all(|v| v.low <= 0.0 && v.high >= 0.0)
 }
 
 /// What a twin has of a parameter that is added to; zero where it has nothing of it.

@@ -207,14 +207,8 @@ impl Simulation {
     /// A new motor torque for the target of now.
     fn control(&mut self, command: &dyn Command, time: f64, noise: &mut rand_chacha::ChaCha8Rng) {
         if let Some(servo) = &self.servo {
-            return position_loops(
-                servo,
-                &self.mechanism,
-                &self.plant,
-                command,
-                time,
-                &mut self.now,
-            );
+            let (arm, plant) = (&self.mechanism, &self.plant);
+            return position_loops(servo, arm, plant, command, time, &mut self.now);
         }
         let now = &mut self.now;
         let hold_s = self.clock.step_s * self.clock.steps_per_hold as f64;

@@ -24,6 +24,7 @@ pub fn page(d: &Diagnosis) -> String {
         text += &format!("{effect}, {place}: {before} -> {after} mrad beside the other causes\n");
     }
     let torque = "Values are those by which the simulated position follows the fit recording best. Torque \
-                  below is what the servos give by their law, less the twin's.";
+                  below is position times the servo's gain: what the recorded position shows that the twin \
+                  does not give.";
     text + &paragraph("", torque) + "\n"
 }
