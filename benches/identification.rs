@@ -91,6 +91,8 @@ fn seven_joints() -> (Twin, Samples) {
         qd: wave(|w, a| w * a.cos()),
         qdd: wave(|w, a| -w * w * a.sin()),
         torque: JointSeries::zeros(7, n),
+        told: None,
+        response: None,
         sensed: None,
         temperature: None,
         usable: vec![true; n],

@@ -71,6 +71,7 @@ pub mod robot;
 #[cfg(feature = "live")]
 pub mod rtde;
 pub mod series;
+pub mod servo;
 pub mod signals;
 pub mod simulation;
 pub mod statistics;

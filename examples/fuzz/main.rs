@@ -10,6 +10,7 @@
 //! target/fuzz-findings; each becomes a test in src/recording/hostile_tests.rs or beside its reader.
 
 mod bytes;
+mod make_lerobot;
 mod make_mcap;
 mod make_parquet;
 mod make_sqlite;

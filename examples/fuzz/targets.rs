@@ -14,7 +14,7 @@ use flate2::read::GzDecoder;
 use flate2::write::GzEncoder;
 
 use crate::bytes::{MOST, Random, havoc, text, words_of};
-use crate::{make_mcap, make_parquet, make_sqlite};
+use crate::{make_lerobot, make_mcap, make_parquet, make_sqlite};
 
 pub struct Target {
     pub name: &'static str,
@@ -36,6 +36,9 @@ pub fn all() -> Vec<Target> {
         target("parquet", make_parquet::seeds, make_parquet::make, |f, b| {
             recorded(f, "a.parquet", b)
         }),
+        target("bam_json", bam_seeds, text_input, |f, b| recorded(f, "a.json", b)),
+        target("sage_folder", sage_seeds, text_input, sage),
+        target("lerobot", lerobot_seeds, text_input, lerobot),
         target("columns", columns_seeds, text_input, columns),
         target("urdf", urdf_seeds, text_input, robot),
         target("twin", twin_seeds, text_input, twin),
@@ -186,6 +189,60 @@ fn logs(folder: &Path, input: &[u8]) -> Result<String, String> {
         write(&folder.join(name), part);
     }
     answer(recording::read(&folder, None))
+}
+
+fn bam_seeds() -> Vec<Vec<u8>> {
+    let entry = |k: u32| {
+        let (t, q) = (0.005 * f64::from(k), 0.01 * f64::from(k));
+        format!(
+            "{{\"timestamp\": {t}, \"goal_position\": {q}, \"position\": {q}, \"speed\": 0.1, \
+             \"torque_enable\": true}}"
+        )
+    };
+    let entries: Vec<String> = (0..20).map(entry).collect();
+    let entries = entries.join(", ");
+    let said = "\"kp\": 400, \"vin\": 7.3, \"mass\": 0.5, \"length\": 0.1, \"motor\": \"xl330\"";
+    vec![
+        format!("{{{said}, \"entries\": [{entries}]}}").into_bytes(),
+        format!("{{\"entries\": [{entries}]}}").into_bytes(),
+    ]
+}
+
+fn sage_seeds() -> Vec<Vec<u8>> {
+    let rows = |kind: &str, every: u32| -> Vec<u8> {
+        let row = |k: u32| format!("{kind},{},\"[{}.5, -0.25]\"\n", 20_000 * k, k);
+        let head = "type,timestamp,positions\n".to_string();
+        (head + &(0..40).step_by(every as usize).map(row).collect::<String>()).into_bytes()
+    };
+    vec![[rows("CONTROL", 2), rows("STATE_MOTOR", 1)].join(NEXT_FILE)]
+}
+
+fn sage(folder: &Path, input: &[u8]) -> Result<String, String> {
+    let folder = folder.join("motion");
+    let _ = std::fs::create_dir_all(&folder);
+    for (name, part) in ["control.csv", "state_motor.csv"].iter().zip(parts(input)) {
+        write(&folder.join(name), part);
+    }
+    answer(recording::read(&folder, None))
+}
+
+fn lerobot_seeds() -> Vec<Vec<u8>> {
+    make_lerobot::sets().iter().map(|set| set.join(NEXT_FILE)).collect()
+}
+
+/// Both layouts' names hold the rows.
+fn lerobot(folder: &Path, input: &[u8]) -> Result<String, String> {
+    let folder = folder.join("set");
+    let (meta, data) = (folder.join("meta"), folder.join("data/chunk-000"));
+    [&meta, &data].iter().for_each(|f| drop(std::fs::create_dir_all(f)));
+    let parts = parts(input);
+    write(&meta.join("info.json"), parts[0]);
+    for name in ["episode_000000.parquet", "file-000.parquet"] {
+        write(&data.join(name), parts.get(1).unwrap_or(&&b""[..]));
+    }
+    let map = folder.join("map.toml");
+    write(&map, b"[lerobot]\nunit = 'degrees'\n");
+    answer(recording::read(&folder, Some(&map)))
 }
 
 fn mcap_seeds() -> Vec<Vec<u8>> {

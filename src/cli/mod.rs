@@ -5,6 +5,7 @@ mod out;
 
 mod accuracy;
 mod alarms;
+mod by;
 mod case_studies;
 mod compare;
 mod completions;

@@ -1,11 +1,11 @@
-//! `armtwin robots`: the built-in arms.
+//! `armtwin robots`: the built-in arms and servos.
 
 use super::outputs::Output;
 use super::save;
 use crate::report::{paragraph, table};
-use crate::robot::{BUILT_IN, Drive, tables::Table};
+use crate::robot::{BUILT_IN, Drive, servo, tables::Table};
 
-/// List the built-in arms and where their numbers come from
+/// List the built-in arms and position servos, and where their numbers come from
 #[derive(clap::Args)]
 #[command(after_help = "Example: armtwin robots --json\n\n\
     Any other serial arm works from its URDF: robot = \"path/to/arm.urdf\" in a twin.")]
@@ -42,6 +42,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     println!("\nSources");
     for e in &entries {
         print!("{}", paragraph(&format!("  {:<16}", e.name), e.source));
+    }
+    println!("\nPosition servos, for the [servo] table of a twin or scenario");
+    for kind in servo::KINDS {
+        print!("{}", paragraph(&format!("  {:<16}", kind.name), kind.source));
     }
     args.json.as_ref().map_or(Ok(()), |path| save::document(path, &entries))
 }

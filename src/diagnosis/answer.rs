@@ -31,6 +31,11 @@ pub struct Diagnosis {
     pub schema: String,
     pub armtwin: String,
     pub verdict: Verdict,
+    #[serde(default)]
+    pub by: By,
+    /// Of position servos: how the twin, led along the command, follows the check recording.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<Position>,
     /// Where the twin differs, before anything is added to it.
     pub gap: Gap,
     /// Accepted, what takes most off the gap first.
@@ -85,6 +90,12 @@ pub struct JointGap {
     pub joint: usize,
     /// Root mean square on the check recording, N.m, while sliding.
     pub rms_nm: f64,
+    /// Of position servos: of the position, simulated along the command, and what the encoder's steps alone
+    /// leave, rad.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rms_rad: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise_floor_rad: Option<f64>,
     /// 90 % block-bootstrap interval of `rms_nm`.
     pub low_nm: f64,
     pub high_nm: f64,
@@ -138,6 +149,64 @@ pub struct Cause {
     /// One line each, from the catalogue.
     pub cause: String,
     pub remedy: String,
+}
+
+/// Errors of the simulated position on the check recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Position {
+    pub before_rad: f64,
+    pub after_rad: f64,
+    /// 1 - after^2 / before^2.
+    pub fraction: f64,
+    pub joints: Vec<JointPositionShrink>,
+    /// What each cause takes off when it is added to all the others.
+    pub causes: Vec<PositionShrink>,
+}
+
+/// Root mean square over joints of the simulated position's error on the check recording, without a cause and
+/// with it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PositionShrink {
+    pub effect: String,
+    pub joints: Vec<usize>,
+    pub before_rad: f64,
+    pub after_rad: f64,
+    /// 1 - after^2 / before^2.
+    pub fraction: f64,
+}
+
+/// Errors at one joint, with what the encoder's steps alone leave.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct JointPositionShrink {
+    /// From 1 at the base.
+    pub joint: usize,
+    pub before_rad: f64,
+    pub after_rad: f64,
+    pub rounding_rad: f64,
+}
+
+/// What the answer rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum By {
+    /// Recorded torque.
+    #[default]
+    Torque,
+    /// Position servos: command and position.
+    Simulation,
+}
+
+impl By {
+    /// One line for people.
+    pub fn line(self) -> &'static str {
+        match self {
+            By::Torque => "method: by torque, inverse dynamics of the recorded motion",
+            By::Simulation => {
+                "method: by simulation, from the recorded command to the position (no torque is recorded; \
+                 --by says otherwise)"
+            }
+        }
+    }
 }
 
 impl Cause {

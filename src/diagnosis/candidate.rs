@@ -132,7 +132,13 @@ impl Term {
 /// wrong; not those in `without`. What lasts for a while may act in one of the `recordings` alone.
 pub fn candidates(twin: &Twin, without: &[String], recordings: &[usize]) -> Vec<Candidate> {
     let mut all = Vec::new();
-    for effect in CATALOGUE.iter().copied().filter(|e| e.seen() != Seen::Simulation) {
+    // Servos have one channel only, their position.
+    let seen = |e: &dyn Effect| match twin.drive.servo {
+        Some(_) => e.seen() == Seen::Columns,
+        None => e.seen() != Seen::Simulation,
+    };
+    let shows = |e: &&dyn Effect| seen(*e) && twin.can_have(*e);
+    for effect in CATALOGUE.iter().copied().filter(shows) {
         let name = effect.about().name;
         let listed = twin.effects.iter().any(|n| n == name);
         let stated = twin.known().any(|e| e.about().name == name);
@@ -391,7 +397,7 @@ mod tests {
             let at = all.iter().filter(|c| c.name() == name).count();
             let known = twin.effects.iter().any(|e| e == name);
             let least = match effect.about().scope {
-                _ if known || effect.seen() == Seen::Simulation => 0,
+                _ if known || effect.seen() == Seen::Simulation || !twin.can_have(*effect) => 0,
                 Scope::Arm => 1,
                 Scope::Joint | Scope::Link => twin.robot.dof(),
             };

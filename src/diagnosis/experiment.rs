@@ -189,6 +189,8 @@ fn planned(twin: &Twin, like: &Samples, experiment: &Experiment, seed: u64) -> O
         qd,
         qdd,
         torque: JointSeries::zeros(dof, n),
+        told: None,
+        response: None,
         sensed: None,
         temperature,
         usable: vec![true; n],

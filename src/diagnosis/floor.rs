@@ -6,10 +6,10 @@ use rayon::prelude::*;
 
 use super::local_noise::{band_gain, impulse, local_noise, quiet_times};
 use super::repeats::cycle;
-use crate::robot::{Workspace, mass_matrix};
+use crate::robot::{Told, Workspace, mass_matrix};
 use crate::series::JointSeries;
 use crate::signals::{
-    Derivatives, LowPass, Samples, SavitzkyGolay, central_difference, mean_difference,
+    Derivatives, LowPass, Response, Samples, SavitzkyGolay, central_difference, mean_difference,
     second_difference,
 };
 use crate::twin::Twin;
@@ -46,12 +46,17 @@ const QUIET: [f64; 2] = [0.5, 0.9];
 /// Band, in multiples of the motion's low-pass, where position holds more noise than motion. Below, the
 /// motion's own spectrum lies above the encoder's noise; the damping is made good.
 const PASSED: [f64; 2] = [1.0, 1.25];
+/// No position is recorded or simulated more finely, rad.
+const FINEST_RAD: f64 = 1e-5;
 /// Poses the mass matrix is averaged over.
 const POSES: usize = 64;
 
 /// Noise floor of each joint, on the torque as a regression uses it. From repeats where the motion comes
 /// again, else estimated.
 pub fn noise_floor(samples: &Samples, twin: &Twin) -> Vec<Floor> {
+    if let (Some(response), Some(told)) = (&samples.response, &samples.told) {
+        return of_position(samples, response, told);
+    }
     let filter = samples.torque_filter().ok().flatten();
     let estimated = estimate(samples, twin, filter.as_ref());
     let repeated = match cycle(samples) {
@@ -116,6 +121,20 @@ fn estimate(samples: &Samples, twin: &Twin, filter: Option<&LowPass>) -> Vec<f64
         (g_tau * torque[i].powi(2) + g_qdd * carried.sum::<f64>()).sqrt()
     };
     (0..samples.joints()).map(of_joint).collect()
+}
+
+/// Noise of the recorded position, no less than its encoder's steps leave, as the torque that servos read it as.
+fn of_position(samples: &Samples, response: &Response, told: &Told) -> Vec<Floor> {
+    let nyquist = 0.5 * samples.rate_hz();
+    let quiet = QUIET[0] * nyquist..QUIET[1] * nyquist;
+    let of = |j: usize| {
+        let rounding = told.resolution[j] / 12f64.sqrt();
+        let q = told.q.joint(j);
+        let white = local_noise(q, samples.rate_hz(), &quiet, &quiet_times(samples, j));
+        let noise_nm = response.joints[j].scale * white.max(rounding).max(FINEST_RAD);
+        Floor { noise_nm, from: FloorFrom::Estimate }
+    };
+    (0..samples.joints()).into_par_iter().map(of).collect()
 }
 
 /// Is the acceleration made from the recorded velocity?

@@ -35,6 +35,8 @@ pub fn gap(
             rms_nm: all.rms_nm,
             low_nm: all.low_nm,
             high_nm: all.high_nm,
+            rms_rad: None,
+            noise_floor_rad: None,
             noise_floor_nm: floor[j].noise_nm,
             floor_from: floor[j].from.name().into(),
             share: 0.0,

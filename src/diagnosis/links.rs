@@ -62,6 +62,11 @@ fn worth(all: &Hypotheses<'_>, fit: &Fit<'_>) -> f64 {
     fit.ln_evidence() - fit.model.causes.len() as f64 * all.ln_rivals()
 }
 
+/// Are all links among the causes of a fit?
+pub fn stand(fit: &Fit<'_>) -> bool {
+    fit.model.causes.iter().any(|t| matches!(t.candidate.place, Place::Links(_)))
+}
+
 /// What to do about all links; `None` for other causes.
 pub fn remedy(candidate: Candidate) -> Option<&'static str> {
     matches!(candidate.place, Place::Links(_)).then_some(

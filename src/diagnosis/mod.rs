@@ -53,9 +53,10 @@ mod windows;
 pub mod words;
 
 pub use answer::{
-    Cause, Checked, Dependence, Diagnosis, Gap, JointGap, JointShrink, Named, Ranked, Regime,
-    Rejected, Replaced, RoundEvidence, Scored, Shrink, SimulationShrink, TorqueShrink, Unexplained,
-    UnexplainedJoint, Untestable, Value, Verdict,
+    By, Cause, Checked, Dependence, Diagnosis, Gap, JointGap, JointPositionShrink, JointShrink,
+    Named, Position, PositionShrink, Ranked, Regime, Rejected, Replaced, RoundEvidence, Scored,
+    Shrink, SimulationShrink, TorqueShrink, Unexplained, UnexplainedJoint, Untestable, Value,
+    Verdict,
 };
 pub use conditioning::conditioning;
 pub use criteria::Criteria;

@@ -74,7 +74,14 @@ impl<'a> Observed<'a> {
         let (kept, series, rigid) = (Kept::default(), Mutex::default(), Mutex::default());
         let mut observed =
             Self { index, twin, samples, rows, sigma, torque, known, kept, series, filter, rigid };
-        let torque = |j| observed.block(j, samples.torque.joint(j));
+        let torque = |j| {
+            let mut torque = observed.block(j, samples.torque.joint(j));
+            if let Some(response) = &samples.response {
+                let seen = response.seen(j);
+                torque.iter_mut().zip(&observed.rows[j]).for_each(|(t, &k)| *t += seen[k]);
+            }
+            torque
+        };
         observed.torque = Blocks((0..samples.joints()).map(torque).collect());
         Ok(observed)
     }
@@ -121,15 +128,20 @@ impl<'a> Observed<'a> {
         series
     }
 
-    /// A series over all samples of a joint -> its rows, filtered as the torque is.
+    /// A series over all samples of a joint -> its rows, filtered as the torque is: by the low-pass, or by what
+    /// position servos make of it.
     pub fn block(&self, joint: usize, series: &[f64]) -> Vec<f64> {
         let rows = &self.rows[joint];
         if rows.is_empty() {
             return Vec::new();
         }
-        match &self.filter {
-            Some(filter) => filter.at(rows, series),
-            None => rows.iter().map(|&k| series[k]).collect(),
+        match (&self.samples.response, &self.filter) {
+            (Some(response), _) => {
+                let shown = response.to(joint, series);
+                rows.iter().map(|&k| shown[k]).collect()
+            }
+            (None, Some(filter)) => filter.at(rows, series),
+            (None, None) => rows.iter().map(|&k| series[k]).collect(),
         }
     }
 

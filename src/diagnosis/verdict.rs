@@ -16,7 +16,7 @@ use super::kinematics::{self, Lagging};
 use super::model::Model;
 use super::observed::Observed;
 use super::ranking::{self, named};
-use super::search::{Round, Weighed, search};
+use super::search::{Found, Round, Weighed, search};
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
@@ -37,19 +37,22 @@ impl<'a> Findings<'a> {
         floor: Vec<Floor>,
         settings: &'a Settings,
     ) -> Self {
-        let ((mut found, mut alone), lagging) = rayon::join(
+        let ((found, alone), lagging) = rayon::join(
             || rayon::join(|| search(both), || search(blind)),
             || kinematics::lagging(fit, check, settings),
         );
         // So many values are for both searches to ask for.
         let asked =
             rayon::join(|| links::with_links(blind, &alone), || links::with_links(both, &found));
-        if let (Some(of_fit), Some(of_both)) = asked {
-            (alone, found) = (of_fit, of_both);
-        }
-        let held = HeldOut::new(&alone.last, check);
-        let Called { fit: last, standings, gains, unconfirmed } =
-            called(both, &judge, &found, &held.causes);
+        let seen = |(alone, found): (Found<'a>, Found<'a>)| {
+            let held = HeldOut::new(&alone.last, check);
+            let called = called(both, &judge, &found, &held.causes);
+            (found, held, called)
+        };
+        // Links that do not stand on the check recording must not have driven out what would.
+        let links = asked.0.zip(asked.1).map(seen).filter(|(_, _, c)| links::stand(&c.fit));
+        let (found, held, called) = links.unwrap_or_else(|| seen((alone, found)));
+        let Called { fit: last, standings, gains, unconfirmed } = called;
         let alone = Fit::plain(blind.data, Model::of(fit.twin));
         Self {
             search: both,
@@ -84,6 +87,8 @@ impl<'a> Findings<'a> {
         Diagnosis {
             schema: SCHEMA.into(),
             armtwin: env!("CARGO_PKG_VERSION").into(),
+            by: crate::diagnosis::By::default(),
+            position: None,
             verdict,
             fitted_before: fitted(&self.alone),
             fitted: fitted(&self.last),

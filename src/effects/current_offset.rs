@@ -1,12 +1,17 @@
 //! Constant torque: tau = c, whatever the motion.
 
 use super::{
-    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+    About, DriveKind, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope,
+    Worked,
 };
 
 pub struct CurrentOffset;
 
 impl Effect for CurrentOffset {
+    fn of_drive(&self) -> DriveKind {
+        DriveKind::Current
+    }
+
     fn about(&self) -> &'static About {
         &About {
             name: "current_offset",

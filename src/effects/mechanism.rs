@@ -1,7 +1,7 @@
 //! What effects change before the first step.
 
 use super::hysteresis::dahl;
-use crate::robot::Robot;
+use crate::robot::{Robot, Servo};
 
 /// What a simulation is built from. Vectors have one entry per joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +18,8 @@ pub struct Mechanism {
     /// Transmission between motor and link of each joint; `None` is rigid.
     pub transmission: Vec<Option<Transmission>>,
     pub control: ControlChange,
+    /// What position servos are other than assumed.
+    pub servo: Vec<ServoChange>,
 }
 
 /// An elastic or slack transmission. The link hangs on the motor by the torque of the wind-up
@@ -106,7 +108,41 @@ impl Default for ControlChange {
     }
 }
 
+/// A position servo as it is, where another one is assumed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ServoChange {
+    /// Factor on the gain.
+    pub gain: f64,
+    /// Added: N.m.s/rad, a share of the motor's torque, rad, s, rad.
+    pub damping: f64,
+    pub friction: f64,
+    pub dead_band: f64,
+    pub delay: f64,
+    pub offset: f64,
+}
+
+impl Default for ServoChange {
+    fn default() -> Self {
+        Self { gain: 1.0, damping: 0.0, friction: 0.0, dead_band: 0.0, delay: 0.0, offset: 0.0 }
+    }
+}
+
 impl Mechanism {
+    /// The servos as they are where `assumed` are assumed.
+    pub fn servos(&self, assumed: &Servo) -> Servo {
+        let mut servo = assumed.clone();
+        for (j, change) in self.servo.iter().enumerate() {
+            servo.gain[j] *= change.gain;
+            servo.damping[j] += change.damping;
+            servo.friction[j] += change.friction;
+            servo.dead_band[j] += change.dead_band;
+            servo.delay[j] += change.delay;
+            servo.offset[j] += change.offset;
+            servo.max_torque[j] = servo.max_torque[j].min(self.torque_limit[j]);
+        }
+        servo
+    }
+
     /// The robot with ideal drives.
     pub fn new(robot: Robot) -> Self {
         let n = robot.dof();
@@ -118,6 +154,7 @@ impl Mechanism {
             torque_limit: vec![f64::INFINITY; n],
             transmission: vec![None; n],
             control: ControlChange::default(),
+            servo: vec![ServoChange::default(); n],
         }
     }
 

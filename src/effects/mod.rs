@@ -32,6 +32,12 @@ mod quantisation;
 mod rigid;
 mod rotor_inertia;
 mod round_trip;
+mod servo_damping;
+mod servo_dead_band;
+mod servo_delay;
+mod servo_friction;
+mod servo_gain;
+mod servo_offset;
 mod size;
 mod starts;
 mod state;
@@ -53,7 +59,7 @@ mod tests;
 
 pub use catalogue::{CATALOGUE, find, names, of_drive, order};
 pub use channels::Channels;
-pub use mechanism::{ControlChange, Mechanism, Transmission};
+pub use mechanism::{ControlChange, Mechanism, ServoChange, Transmission};
 pub use motion::Motion;
 pub use rigid::{Rigid, Slopes};
 pub use round_trip::RoundTrip;
@@ -184,6 +190,17 @@ pub enum Seen {
     Simulation,
 }
 
+/// Which drives can have an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DriveKind {
+    Any,
+    /// Those whose current is recorded: it is about that record.
+    Current,
+    /// Position servos.
+    Servo,
+}
+
 /// Does every joint have its own parameters or does the arm share one set?
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -233,6 +250,11 @@ pub trait Effect: Sync {
     /// How the effect shows where the recorded motion goes through inverse dynamics.
     fn seen(&self) -> Seen {
         Seen::Columns
+    }
+
+    /// Which drives can have it.
+    fn of_drive(&self) -> DriveKind {
+        DriveKind::Any
     }
 
     /// Explain: N.m at `joint` per unit of each linear parameter, one column of

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::Transmission;
 use super::flange::Flange;
 use super::rigid::{self, Regressor, Rigid, Slopes};
-use crate::robot::Robot;
+use crate::robot::{Robot, Told};
 use crate::series::JointSeries;
 
 /// Conditioned motion of all joints, and the arm it belongs to.
@@ -31,6 +31,8 @@ pub struct Motion<'a> {
     pub giving: &'a [Option<Transmission>],
     /// Rigid torque of `robot` along this motion, kept for the next candidate; `None` works it out each time.
     pub rigid: Option<&'a Rigid>,
+    /// What position servos were told, where the arm has such.
+    pub told: Option<&'a Told>,
 }
 
 impl<'a> Motion<'a> {
@@ -54,6 +56,7 @@ impl<'a> Motion<'a> {
             known: None,
             giving: &[],
             rigid: None,
+            told: None,
         }
     }
 

@@ -19,6 +19,9 @@ pub enum RoundTrip {
     },
     /// Nothing in the torque along the motion; the joint is further off its command by this factor.
     Strays { joint: usize, times: f64 },
+    /// Simulated along the command, a joint goes where it was recorded with values this close to the truth,
+    /// relative.
+    Followed { within: f64 },
     /// The channel of this joint lies on steps of this parameter.
     Steps { channel: &'static str, joint: usize, parameter: &'static str },
 }

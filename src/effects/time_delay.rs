@@ -4,7 +4,8 @@
 
 use super::channels::delayed;
 use super::{
-    About, Channels, Effect, Motion, Parameter, Role, RoundTrip, Scope, Seen, Shown, Worked, starts,
+    About, Channels, DriveKind, Effect, Motion, Parameter, Role, RoundTrip, Scope, Seen, Shown,
+    Worked, starts,
 };
 
 pub struct TimeDelay;
@@ -31,6 +32,10 @@ static ABOUT: About = About {
 };
 
 impl Effect for TimeDelay {
+    fn of_drive(&self) -> DriveKind {
+        DriveKind::Current
+    }
+
     fn about(&self) -> &'static About {
         &ABOUT
     }

@@ -4,7 +4,9 @@
 //! known once it has a value, as in a diagnosis; before it has, as in a single fit, it comes out
 //! larger by the factor 1 + g. Needs a known load.
 
-use super::{About, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked};
+use super::{
+    About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+};
 use crate::robot::Robot;
 
 pub struct TorqueConstant;
@@ -31,6 +33,10 @@ static ABOUT: About = About {
 };
 
 impl Effect for TorqueConstant {
+    fn of_drive(&self) -> DriveKind {
+        DriveKind::Current
+    }
+
     fn about(&self) -> &'static About {
         &ABOUT
     }

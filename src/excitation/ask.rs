@@ -1,6 +1,6 @@
 //! What a motion shall tell, as a user names it.
 
-use crate::effects::{self, CATALOGUE, Effect, Scope, Seen};
+use crate::effects::{self, CATALOGUE, DriveKind, Effect, Scope, Seen};
 
 /// What is asked of the motion.
 #[derive(Clone)]
@@ -125,7 +125,8 @@ fn words(list: &str) -> impl Iterator<Item = &str> {
 
 /// Effects that torque shows.
 fn visible() -> String {
-    let names = CATALOGUE.iter().filter(|e| e.seen() == Seen::Columns).map(|e| e.about().name);
+    let shows = |e: &&&dyn Effect| e.seen() == Seen::Columns && e.of_drive() != DriveKind::Servo;
+    let names = CATALOGUE.iter().filter(shows).map(|e| e.about().name);
     names.collect::<Vec<_>>().join(", ")
 }
 

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
 use super::plan::{JointPlan, Left, Plan};
 use super::{escape, number, numbers};
 use crate::robot::urdf::visual::{self, Cylinder, Shape};
-use crate::robot::{Inertia, Placement, Robot};
+use crate::robot::{Inertia, Placement, Robot, Servo};
 
 /// s; a fifth of the time constants of the stiffest controllers of such arms.
 const STEP_S: f64 = 0.001;
@@ -26,7 +26,32 @@ pub fn left(plan: &Plan) -> Vec<Left> {
               and a smaller timestep make it stiffer)"
                 .into(),
     };
-    if soft.joints.is_empty() { Vec::new() } else { vec![soft] }
+    let mut all = if soft.joints.is_empty() { Vec::new() } else { vec![soft] };
+    all.extend(plan.servo.iter().flat_map(of_servos));
+    all
+}
+
+/// What a position actuator does not do.
+fn of_servos(servo: &Servo) -> Vec<Left> {
+    let why = [
+        (
+            "servo_dead_band",
+            &servo.dead_band,
+            "an actuator answers every error: take the band off the control",
+        ),
+        (
+            "servo_friction",
+            &servo.friction,
+            "no joint's friction grows with its actuator: take a level of frictionloss that suits the load",
+        ),
+        ("servo_delay", &servo.delay, "hold the control back by so long"),
+    ];
+    let left = |(effect, values, why): (&str, &Vec<f64>, &str)| {
+        let joints: Vec<usize> = (0..servo.dof()).filter(|j| values[*j] > 0.0).collect();
+        let given: Vec<String> = joints.iter().map(|j| number(values[*j])).collect();
+        Left { effect: effect.into(), joints, values: given.join(", "), why: why.into() }
+    };
+    why.into_iter().map(left).filter(|l| !l.joints.is_empty()).collect()
 }
 
 pub fn write(plan: &Plan, head: &[String]) -> String {
@@ -51,7 +76,7 @@ pub fn write(plan: &Plan, head: &[String]) -> String {
     let roots = (0..robot.dof()).filter(|i| robot.bodies[*i].parent.is_none());
     roots.for_each(|i| body(plan, i, 2, &mut out));
     out += "  </worldbody>\n";
-    out += &actuators(plan);
+    out += &plan.servo.as_ref().map_or_else(|| actuators(plan), |servo| positions(plan, servo));
     out + "</mujoco>\n"
 }
 
@@ -155,6 +180,39 @@ fn flange(flange: &Placement, load: Option<&Inertia>, pad: &str) -> String {
         );
     }
     text
+}
+
+/// Torque of the joint = kp (control + offset - angle) - kv velocity. A motor's own voltage is in kv, which
+/// forcerange clips with the rest: with all of the supply a real servo brakes more.
+fn positions(plan: &Plan, servo: &Servo) -> String {
+    let mut text = String::from(
+        "  <!-- ctrl is the commanded angle in rad, as the servos are told it -->\n  <actuator>\n",
+    );
+    for (j, body) in plan.robot.bodies.iter().enumerate() {
+        let name = escape(&body.joint.name);
+        let [kp, kv] = [servo.gain[j], servo.damping[j]];
+        let _ = match servo.offset[j] {
+            0.0 => write!(
+                text,
+                "    <position name=\"{name}_servo\" joint=\"{name}\" kp=\"{}\" kv=\"{}\"",
+                number(kp),
+                number(kv)
+            ),
+            offset => write!(
+                text,
+                "    <general name=\"{name}_servo\" joint=\"{name}\" gainprm=\"{}\" biastype=\"affine\" \
+                 biasprm=\"{}\"",
+                number(kp),
+                numbers(&[kp * offset, -kp, -kv])
+            ),
+        };
+        if servo.max_torque[j].is_finite() {
+            let limit = servo.max_torque[j];
+            let _ = write!(text, " forcerange=\"{}\"", numbers(&[-limit, limit]));
+        }
+        text += "/>\n";
+    }
+    text + "  </actuator>\n"
 }
 
 /// Torque of the joint = gain x current - offset.

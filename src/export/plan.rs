@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use serde::{Serialize, Serializer};
 
 use crate::effects::{About, Effect, Mechanism, Parameter, Role, Scope};
-use crate::robot::{Inertia, Placement, Robot};
+use crate::robot::{Inertia, Placement, Robot, Servo};
 use crate::twin::Twin;
 
 pub struct Plan {
@@ -17,6 +17,8 @@ pub struct Plan {
     /// At the flange, in its frame.
     pub payload: Option<Inertia>,
     pub joints: Vec<JointPlan>,
+    /// Position servos as they are, in place of motors that are told a current.
+    pub servo: Option<Servo>,
     /// What no simulator's file has an element for.
     pub left: Vec<Left>,
 }
@@ -91,6 +93,16 @@ const PLACED: &[&str] = &[
     "cable_spring",
 ];
 
+/// Effects with a place in [`Plan::servo`].
+const OF_SERVOS: &[&str] = &[
+    "servo_gain",
+    "servo_damping",
+    "servo_friction",
+    "servo_offset",
+    "servo_delay",
+    "servo_dead_band",
+];
+
 impl Plan {
     pub fn of(twin: &Twin) -> Self {
         // A payload is a body of its own.
@@ -117,6 +129,7 @@ impl Plan {
         };
         Self {
             joints: (0..twin.robot.dof()).map(joint).collect(),
+            servo: twin.drive.servo.as_ref().map(|assumed| mechanism.servos(assumed)),
             robot: mechanism.robot,
             level_gravity: twin.robot.gravity,
             payload: load(twin),
@@ -149,7 +162,8 @@ fn left(twin: &Twin) -> Vec<Left> {
             values,
             why: why.into(),
         };
-        if !PLACED.contains(&about.name) {
+        let of_servo = twin.drive.servo.is_some() && OF_SERVOS.contains(&about.name);
+        if !PLACED.contains(&about.name) && !of_servo {
             let why = format!("no element for {}", about.law);
             all.push(entry(values(twin, about, &joints, |_| true), &why));
         } else if about.name == "cable_spring" && bends(twin) {

@@ -36,6 +36,15 @@ pub fn left(plan: &Plan) -> Vec<Left> {
         let values = format!("{} {unit}", values.join(", "));
         all.push(Left { effect: effect.into(), joints, values, why: why.into() });
     }
+    if let Some(servo) = &plan.servo {
+        let gains: Vec<String> = servo.gain.iter().map(|k| format!("{k:.4}")).collect();
+        all.push(Left {
+            effect: "servo".into(),
+            joints: (0..servo.dof()).collect(),
+            values: format!("{} N.m/rad", gains.join(", ")),
+            why: "URDF has no position servos; MJCF has".into(),
+        });
+    }
     all
 }
 

@@ -15,6 +15,7 @@ use serde::Deserialize;
 use super::RecordingError;
 use super::bag_map::BagMap;
 use super::file::cannot;
+use super::lerobot_map::LerobotMap;
 use super::scale::{Scale, is_factor};
 use super::text::{Delimiter, Layout};
 use crate::limits::{COLUMNS, read_settings};
@@ -42,6 +43,8 @@ pub struct ColumnMap {
     pub channels: BTreeMap<String, Channels>,
     /// For ROS 2 bags, which have names instead of columns.
     pub bag: Option<BagMap>,
+    /// For LeRobot data sets, which do not say what their numbers are.
+    pub lerobot: Option<LerobotMap>,
     /// Where the map came from, for messages.
     #[serde(skip)]
     pub file: String,
@@ -104,9 +107,10 @@ impl ColumnMap {
         map.file = file.into();
         match &map.bag {
             Some(bag) => bag.check().map_err(wrong)?,
+            None if map.lerobot.is_some() => {}
             None => drop(map.time()?),
         }
-        if map.bag.is_none() || map.time.is_some() {
+        if map.bag.is_none() && map.lerobot.is_none() || map.time.is_some() {
             map.mapped()?;
         }
         Ok(map)

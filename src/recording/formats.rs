@@ -6,9 +6,11 @@ use std::path::Path;
 #[cfg(feature = "bags")]
 use super::bag;
 use super::format::{Format, WriteOptions};
+use super::{
+    ColumnMap, Recording, RecordingError, bam_json, movement_folder, rtde_csv, sage_folder,
+};
 #[cfg(feature = "parquet")]
-use super::parquet_file;
-use super::{ColumnMap, Recording, RecordingError, movement_folder, rtde_csv};
+use super::{lerobot, parquet_file};
 use crate::files::{guard, is_stream};
 
 /// Text is the last: it reads whatever is left.
@@ -16,8 +18,12 @@ pub const FORMATS: &[&dyn Format] = &[
     #[cfg(feature = "bags")]
     &bag::RosBag,
     #[cfg(feature = "parquet")]
+    &lerobot::Lerobot,
+    #[cfg(feature = "parquet")]
     &parquet_file::Parquet,
+    &sage_folder::SageFolder,
     &movement_folder::MovementFolder,
+    &bam_json::BamJson,
     &rtde_csv::RtdeCsv,
 ];
 

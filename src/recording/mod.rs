@@ -5,6 +5,7 @@ mod arrays;
 mod bag;
 #[cfg_attr(not(feature = "bags"), allow(dead_code))]
 mod bag_map;
+mod bam_json;
 mod blocks;
 mod check;
 mod columns;
@@ -20,20 +21,28 @@ mod halves;
 pub mod inspection;
 #[cfg(feature = "live")]
 mod journal;
+#[cfg(feature = "parquet")]
+mod lerobot;
+#[cfg_attr(not(feature = "parquet"), allow(dead_code))]
+mod lerobot_map;
 mod mapped_csv;
 mod mend;
 mod movement_folder;
 #[cfg(feature = "parquet")]
 mod parquet_file;
 #[cfg(feature = "parquet")]
+mod parquet_lists;
+#[cfg(feature = "parquet")]
 mod parquet_sizes;
 mod rtde_csv;
+mod sage_folder;
 mod same;
 mod scale;
 mod table;
 mod text;
 #[cfg(feature = "parquet")]
 mod thrift;
+mod whole;
 
 pub use bag::settle_effort;
 pub use check::{FEWEST_SAMPLES, JOINT_SIGNALS};

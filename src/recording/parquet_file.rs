@@ -5,7 +5,7 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-use arrow::array::{Array, ArrayRef, Float64Array, RecordBatch};
+use arrow::array::{ArrayRef, AsArray, Float64Array, RecordBatch};
 use arrow::compute::cast;
 use arrow::datatypes::{DataType, Field, Float64Type, Schema, TimeUnit};
 use parquet::arrow::ArrowWriter;
@@ -74,7 +74,9 @@ struct Wanted {
 }
 
 /// The file and what reads it, its footer looked at.
-fn reader(path: &Path) -> Result<(File, ParquetRecordBatchReaderBuilder<File>), RecordingError> {
+pub(super) fn reader(
+    path: &Path,
+) -> Result<(File, ParquetRecordBatchReaderBuilder<File>), RecordingError> {
     let opened = open(path)?;
     sizes::footer(&opened).map_err(|e| refusal(path, e))?;
     let again = opened.try_clone().map_err(cannot(path, "read"))?;
@@ -175,7 +177,7 @@ pub fn columns(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), RecordingErr
     guarded(read).unwrap_or_else(|why| Err(damaged(path, why)))
 }
 
-fn look_at_pages(
+pub(super) fn look_at_pages(
     file: &File,
     builder: &ParquetRecordBatchReaderBuilder<File>,
     mask: &ProjectionMask,
@@ -196,16 +198,16 @@ fn look_at_pages(
     Ok(())
 }
 
-fn allow(path: &Path, file: &File, numbers: usize) -> Result<(), RecordingError> {
+pub(super) fn allow(path: &Path, file: &File, numbers: usize) -> Result<(), RecordingError> {
     let length = file.metadata().map_err(cannot(path, "read"))?.len();
     allow_numbers(numbers as u64, length).map_err(|limit| too_much(path, limit))
 }
 
-fn too_much(path: &Path, limit: TooMuch) -> RecordingError {
+pub(super) fn too_much(path: &Path, limit: TooMuch) -> RecordingError {
     RecordingError::TooMuch { file: path.display().to_string(), limit }
 }
 
-fn refusal(path: &Path, refused: Refused) -> RecordingError {
+pub(super) fn refusal(path: &Path, refused: Refused) -> RecordingError {
     match refused {
         Refused::Damaged(what) => damaged(path, what),
         Refused::TooMuch(limit) => too_much(path, limit),
@@ -318,7 +320,7 @@ fn seconds_per_unit(kind: &DataType) -> f64 {
 }
 
 /// The numbers of a column; what is no number, or beyond anything an arm does, is not a number.
-fn extend(
+pub(super) fn extend(
     column: &mut Vec<f64>,
     values: &ArrayRef,
     name: &str,
@@ -335,7 +337,7 @@ fn extend(
         let remedy = "take columns of numbers only";
         RecordingError::Cell { file, row, column, what, remedy }
     })?;
-    let numbers = arrow::array::AsArray::as_primitive::<Float64Type>(&numbers);
+    let numbers = numbers.as_primitive::<Float64Type>();
     let sound = |v: &f64| v.abs() <= LARGEST;
     column.extend(numbers.iter().map(|value| value.filter(sound).unwrap_or(f64::NAN)));
     Ok(())
@@ -392,7 +394,8 @@ impl Batches {
     }
 }
 
-fn damaged(path: &Path, what: String) -> RecordingError {
+/// The refusal of a file that is not as its format wants it.
+pub fn damaged(path: &Path, what: String) -> RecordingError {
     RecordingError::Container {
         file: path.display().to_string(),
         what: format!("not a Parquet file that can be read here ({what})"),

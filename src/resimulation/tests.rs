@@ -76,6 +76,8 @@ fn held(pose: &[f64], torque: &[f64]) -> Samples {
         qd: JointSeries::zeros(6, n),
         qdd: JointSeries::zeros(6, n),
         torque: each(torque),
+        told: None,
+        response: None,
         sensed: None,
         temperature: None,
         usable: vec![true; n],

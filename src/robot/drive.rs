@@ -1,6 +1,6 @@
-//! From motor current to joint torque and back.
+//! From motor current to joint torque and back, or from a commanded angle to joint torque.
 
-use super::RobotError;
+use super::{RobotError, Servo};
 use crate::series::JointSeries;
 
 /// In SI units no quantity of a drive is larger, nor is its inverse.
@@ -19,6 +19,8 @@ pub struct Drive {
     pub current_limit: Option<Vec<f64>>,
     /// Largest joint torque, N.m; `None` is unlimited.
     pub torque_limit: Option<Vec<f64>>,
+    /// Where the motors are position servos.
+    pub servo: Option<Servo>,
 }
 
 /// What a drive holds of an effect, one value per joint.
@@ -43,7 +45,14 @@ impl Drive {
     /// A drive without rotor inertia and limits.
     pub fn new(gear_ratio: Vec<f64>, torque_constant: Vec<f64>) -> Self {
         let rotor_inertia = vec![0.0; gear_ratio.len()];
-        Self { gear_ratio, torque_constant, rotor_inertia, current_limit: None, torque_limit: None }
+        Self {
+            gear_ratio,
+            torque_constant,
+            rotor_inertia,
+            current_limit: None,
+            torque_limit: None,
+            servo: None,
+        }
     }
 
     /// The paper's UR5 (section 4.2: gear ratio 101 and torque constants of the six motors).
@@ -143,6 +152,6 @@ impl Drive {
                 )));
             }
         }
-        Ok(())
+        self.servo.as_ref().map_or(Ok(()), |servo| servo.check(dof))
     }
 }

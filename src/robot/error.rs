@@ -20,4 +20,6 @@ pub enum RobotError {
     Structure { file: String, problem: String },
     #[error("drive: {0}")]
     Drive(String),
+    #[error("`[servo]`: {0}")]
+    Servo(String),
 }

@@ -5,6 +5,7 @@ pub mod dynamics;
 mod error;
 mod model;
 pub mod plausible;
+pub mod servo;
 pub mod spatial;
 pub mod tables;
 #[cfg(test)]
@@ -15,6 +16,7 @@ pub use drive::{Drive, DrivePart};
 pub use dynamics::*;
 pub use error::RobotError;
 pub use model::{Body, Inertia, Joint, Limits, Placement, Robot};
+pub use servo::{Servo, Told};
 pub use tables::BUILT_IN;
 pub use urdf::{Chain, Loaded};
 

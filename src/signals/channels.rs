@@ -2,7 +2,7 @@
 
 use super::{Derivatives, SignalError};
 use crate::recording::Recording;
-use crate::robot::Drive;
+use crate::robot::{Drive, servo};
 use crate::series::JointSeries;
 
 /// Columns as recorded, on the recording's own time.
@@ -14,10 +14,17 @@ pub(super) struct Picked {
     pub unused_qd: Option<JointSeries>,
     /// Commanded position, velocity and acceleration, where the derivatives are made from them.
     pub target: Option<[JointSeries; 3]>,
-    /// N.m at the joint.
-    pub torque: JointSeries,
+    pub torque: Torque,
     pub temperature: Option<JointSeries>,
     pub notes: Vec<String>,
+}
+
+/// What tells the torque of the drives.
+pub(super) enum Torque {
+    /// N.m at the joint.
+    Recorded(JointSeries),
+    /// The servos' law: command, rad, and how the servos were set.
+    Servo { command: JointSeries, settings: servo::Settings },
 }
 
 pub(super) fn pick(
@@ -60,22 +67,29 @@ pub(super) fn pick(
     })
 }
 
-/// `joint_torque_*` where recorded, else motor current times gear ratio and torque constant.
+/// `joint_torque_*` where recorded, else motor current times gear ratio and torque constant, else what
+/// position servos make of command and position.
 fn torque(
     recording: &Recording,
     drive: &Drive,
     dof: usize,
     notes: &mut Vec<String>,
-) -> Result<JointSeries, SignalError> {
+) -> Result<Torque, SignalError> {
     let purpose = "joint torques";
     if recording.channel("joint_torque_0").is_some() {
         notes.push("torque: joint_torque_* as recorded".into());
         let remedy = "record the torque of every joint, or leave joint_torque_* out";
-        return joints(recording, "joint_torque", dof, purpose, remedy);
+        return joints(recording, "joint_torque", dof, purpose, remedy).map(Torque::Recorded);
+    }
+    if drive.servo.is_some() && recording.channel("actual_current_0").is_none() {
+        return told(recording, dof, notes);
     }
     let remedy = match recording.channel("effort_0") {
         Some(_) => "say in a column map what effort is: [bag] effort = \"current\" or \"torque\"",
-        None => "record motor currents, or joint_torque_* in N.m",
+        None => {
+            "record motor currents, or joint_torque_* in N.m; an arm of position servos whose \
+             command is recorded needs no torque, say what they are in the twin's [servo]"
+        }
     };
     let current = joints(recording, "actual_current", dof, purpose, remedy)?;
     let constants = drive.gear_ratio.len().min(drive.torque_constant.len());
@@ -85,7 +99,18 @@ fn torque(
     let gains: Vec<f64> = (0..dof).map(|j| drive.torque_per_ampere(j)).collect();
     let printed: Vec<String> = gains.iter().map(|g| format!("{g:.3}")).collect();
     notes.push(format!("torque: actual_current_* times {} N.m/A", printed.join(" ")));
-    Ok(current.map_joints(|j, i| i.iter().map(|i| gains[j] * i).collect()))
+    Ok(Torque::Recorded(current.map_joints(|j, i| i.iter().map(|i| gains[j] * i).collect())))
+}
+
+/// What the servos were told, and how they were set.
+fn told(recording: &Recording, dof: usize, notes: &mut Vec<String>) -> Result<Torque, SignalError> {
+    let purpose = "the servos' command";
+    let command = joints(recording, "target_q", dof, purpose, "record what the servos are told")?;
+    let setting = |stem| joints(recording, stem, dof, "", "").ok();
+    let settings =
+        servo::Settings { register: setting("servo_gain"), powered: setting("servo_powered") };
+    notes.push("torque: by the servos' law from command and position".into());
+    Ok(Torque::Servo { command, settings })
 }
 
 fn temperature(recording: &Recording, dof: usize) -> Option<JointSeries> {

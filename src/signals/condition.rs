@@ -1,13 +1,13 @@
 //! The way from a recording to samples, one step after the other.
 
-use super::channels::{Picked, pick};
+use super::channels::{Picked, Torque, pick};
 use super::tracking::tracked;
 use super::{
     Conditioning, Derivatives, LowPass, Samples, Sensed, SignalError, UniformGrid,
     central_difference, erode, mean_difference, second_difference,
 };
 use crate::recording::Recording;
-use crate::robot::Drive;
+use crate::robot::{Drive, Told, servo};
 use crate::series::JointSeries;
 
 /// Usable samples below which nothing can be fitted.
@@ -32,13 +32,16 @@ pub fn condition(
     let motion = differentiate(&picked, carry, grid.dt, how)?;
     let usable = usable(&grid, how)?;
     let [q, qd, qdd] = motion;
+    let (torque, told) = torque(&picked, drive, &grid, &qd);
     let mut samples = Samples {
         dt: grid.dt,
         start: grid.start,
         q,
         qd,
         qdd,
-        torque: carry(&picked.torque),
+        torque,
+        told,
+        response: None,
         sensed,
         temperature: picked.temperature.as_ref().map(carry),
         usable,
@@ -48,6 +51,38 @@ pub fn condition(
     samples.torque_filter()?;
     samples.notes.push(decimated(&samples));
     Ok(samples)
+}
+
+/// Torque on the grid, N.m, and what servos were told where it follows from that.
+fn torque(
+    picked: &Picked,
+    drive: &Drive,
+    grid: &UniformGrid,
+    qd: &JointSeries,
+) -> (JointSeries, Option<Told>) {
+    let carry = |s: &JointSeries| s.map_joints(|_, x| grid.resample(x));
+    match (&picked.torque, &drive.servo) {
+        (Torque::Recorded(torque), _) => (carry(torque), None),
+        (Torque::Servo { command, settings }, Some(servo)) => {
+            let settings = servo::Settings {
+                register: settings.register.as_ref().map(carry),
+                powered: settings.powered.as_ref().map(carry),
+            };
+            let q = carry(&picked.q);
+            let (mut told, torque) = servo.told(carry(command), &q, qd, &settings, grid.dt);
+            told.recorded = grid.in_gap().iter().map(|gap| !gap).collect();
+            told.resolution = (0..q.joints()).map(|j| resolution(picked.q.joint(j))).collect();
+            (torque, Some(told))
+        }
+        (Torque::Servo { .. }, None) => (JointSeries::zeros(qd.joints(), qd.samples()), None),
+    }
+}
+
+/// Smallest step between neighbouring values that is none of rounding; 0 where nothing changes.
+fn resolution(values: &[f64]) -> f64 {
+    let steps = values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|s| *s > 1e-9);
+    let least = steps.fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
 }
 
 /// What becomes of the samples where torque is regressed on them.

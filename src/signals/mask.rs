@@ -44,8 +44,11 @@ impl Samples {
         erode(&fast, self.count(self.conditioning.guard_s))
     }
 
-    /// Sliding and usable: what a sliding model may be fitted on.
+    /// Sliding and usable: what a sliding model may be fitted on. A position tells as much at standstill.
     pub fn mask(&self, joint: usize) -> Vec<bool> {
+        if self.response.is_some() {
+            return self.usable.clone();
+        }
         let sliding = self.sliding(joint);
         sliding.iter().zip(&self.usable).map(|(s, u)| *s && *u).collect()
     }

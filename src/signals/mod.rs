@@ -14,6 +14,7 @@ mod error;
 mod low_pass;
 mod mask;
 mod resample;
+mod response;
 mod savitzky_golay;
 mod thin;
 mod tracking;
@@ -25,9 +26,13 @@ pub use error::SignalError;
 pub use low_pass::LowPass;
 pub use mask::{Rows, erode, runs};
 pub use resample::{Interpolation, UniformGrid};
+pub use response::{Giving, Response};
 pub use savitzky_golay::SavitzkyGolay;
 pub use thin::thin;
 
+use std::sync::Arc;
+
+use crate::robot::Told;
 use crate::series::JointSeries;
 
 /// Choices made on the way from a recording to [`Samples`]; echoed in every output.
@@ -115,6 +120,10 @@ pub struct Samples {
     pub qdd: JointSeries,
     /// N.m at the joint, drive side.
     pub torque: JointSeries,
+    /// What position servos were told, where the torque follows from that.
+    pub told: Option<Told>,
+    /// Where the motion is simulated along a command: what torque shows of itself in recorded position.
+    pub response: Option<Arc<Response>>,
     /// Present where velocities are recorded and the motion is made from positions.
     pub sensed: Option<Sensed>,
     /// deg C, where recorded.
@@ -159,6 +168,10 @@ impl Samples {
     /// The low-pass for torque and regressors; `None` where the conditioning says none.
     pub fn torque_filter(&self) -> Result<Option<LowPass>, SignalError> {
         let Conditioning { torque_cutoff_hz, filter_order, .. } = self.conditioning;
+        // The servos themselves are one.
+        if self.response.is_some() {
+            return Ok(None);
+        }
         LowPass::if_wanted(torque_cutoff_hz, self.rate_hz(), filter_order)
     }
 }

@@ -21,6 +21,8 @@ pub fn samples(joints: usize, n: usize, q: impl Fn(usize, f64) -> f64) -> Sample
         qdd: q.map_joints(|_, q| second_difference(q, dt)),
         torque: JointSeries::zeros(joints, n),
         q,
+        told: None,
+        response: None,
         sensed: None,
         temperature: None,
         usable: (0..n).map(|k| k >= margin && k < n - margin).collect(),

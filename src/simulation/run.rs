@@ -16,7 +16,7 @@ use super::{
 };
 use crate::effects::{ArmState, Channels, JointLoad, Mechanism};
 use crate::recording::{Channel, Provenance, Recording};
-use crate::robot::{Drive, Workspace, inverse_dynamics};
+use crate::robot::{Drive, Servo, Workspace, inverse_dynamics};
 use crate::series::JointSeries;
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -45,6 +45,8 @@ pub struct Simulation {
     clock: Clock,
     plant: Plant,
     controller: ComputedTorque,
+    /// In place of the controller, as they are.
+    servo: Option<Servo>,
     /// The arm as it is, with everything the effects changed.
     mechanism: Mechanism,
     workspace: Workspace,
@@ -129,6 +131,7 @@ impl Simulation {
         let rigid = mechanism.transmission.iter().all(Option::is_none);
         let clock = setup.clock.refined(if rigid { f64::INFINITY } else { ELASTIC_STEP_S });
         let controller = setup.controller.changed(&mechanism.control);
+        let servo = setup.drive.servo.as_ref().map(|assumed| mechanism.servos(assumed));
         Ok(Self {
             drive: setup.drive.clone(),
             noise: setup.noise,
@@ -137,6 +140,7 @@ impl Simulation {
             clock,
             plant: Plant::new(&mechanism, clock.step_s)?,
             controller: ComputedTorque::new(&nominal, controller),
+            servo,
             workspace: Workspace::new(&mechanism.robot),
             foreseen: effects.clone(),
             effects,
@@ -165,7 +169,7 @@ impl Simulation {
             let time = k as f64 * step_s;
             if self.clock.controls(k) {
                 self.now.target.aim(command, time);
-                self.control(time, &mut feedback_noise);
+                self.control(command, time, &mut feedback_noise);
             }
             let sample = self.clock.samples(k).then_some(k / steps_per_sample);
             if let Some(i) = sample {
@@ -201,7 +205,11 @@ impl Simulation {
     }
 
     /// A new motor torque for the target of now.
-    fn control(&mut self, time: f64, noise: &mut rand_chacha::ChaCha8Rng) {
+    fn control(&mut self, command: &dyn Command, time: f64, noise: &mut rand_chacha::ChaCha8Rng) {
+        if let Some(servo) = &self.servo {
+            let (arm, plant) = (&self.mechanism, &self.plant);
+            return position_loops(servo, arm, plant, command, time, &mut self.now);
+        }
         let now = &mut self.now;
         let hold_s = self.clock.step_s * self.clock.steps_per_hold as f64;
         let foreseen = ArmState {
@@ -256,6 +264,13 @@ impl Simulation {
             temperature: &now.temperature,
         };
         self.effects.loads(&state, &mut now.loads);
+        // A motor's own voltage brakes at every instant, not once per hold.
+        if let Some(servo) = &self.servo {
+            for (j, load) in now.loads.iter_mut().enumerate() {
+                load.damping += servo.damping[j];
+                load.dry += servo.friction[j] * now.tau[j].abs();
+            }
+        }
         self.thermal.advance(&mut now.temperature, &now.loads, &now.qd, self.clock.step_s);
         self.plant.step(&now.tau, &now.loads);
         let [q, v, a] = self.plant.link_motion();
@@ -286,7 +301,9 @@ impl Simulation {
         };
         self.record_target(command, &mut recording);
         let current_noise_a = self.sense(&exact, interval, (seed, number), None, &mut recording);
-        put(&mut recording, "joint_temperatures", &exact.temperature);
+        if self.servo.is_none() {
+            put(&mut recording, "joint_temperatures", &exact.temperature);
+        }
         let clean = [self.shown_q(&exact.q), exact.qd.clone(), self.shown_current(&exact.tau)];
         let [q, qd, current] = self.effects_measure(interval, &exact, clean);
         let shown = Shown { q, qd, current };
@@ -345,6 +362,9 @@ impl Simulation {
             ("current", current, step.current_a),
         ] {
             put(recording, &format!("actual_{name}"), &sensors::rounded(&series, step));
+        }
+        if self.servo.is_some() {
+            recording.channels.retain(|c| is_told(&c.name));
         }
         current_noise_a
     }
@@ -450,5 +470,27 @@ impl Buffers {
             tau: zeros.clone(),
             transmitted: zeros,
         }
+    }
+}
+
+/// All that small servos tell: what they were told, and where they are.
+fn is_told(name: &str) -> bool {
+    name.starts_with("target_q_") || name.starts_with("actual_q_")
+}
+
+/// Torque of position loops towards what was commanded a while ago; damping acts at every step.
+fn position_loops(
+    servo: &Servo,
+    mechanism: &Mechanism,
+    plant: &Plant,
+    command: &dyn Command,
+    time: f64,
+    now: &mut Buffers,
+) {
+    for j in 0..plant.dof() {
+        now.target.aim(command, (time - servo.delay[j]).max(0.0));
+        let shown = plant.q()[j] + mechanism.encoder_zero[j];
+        let target = now.target.q[j];
+        [now.tau[j], _] = servo.pull(j, servo.gain[j], target - shown);
     }
 }

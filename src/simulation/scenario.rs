@@ -9,7 +9,7 @@ use super::{ControllerSettings, Injection, Noise, Quantisation, Thermal};
 use crate::limits::read_settings;
 use crate::motion::{Settings, Trajectory};
 use crate::robot::{Chain, Drive, Robot};
-use crate::twin::{DriveTable, PerJoint, read_robot};
+use crate::twin::{DriveTable, PerJoint, ServoTable, read_robot};
 
 /// The file as written. Tables and keys that are left out take their defaults; unknown ones are
 /// errors.
@@ -31,6 +31,9 @@ pub struct Scenario {
     /// exactly in the middle of a hold; with an even one half a step beside it.
     pub step_s: f64,
     pub drive: DriveTable,
+    /// Position servos lead the arm, and command and position are all that is recorded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo: Option<ServoTable>,
     /// What the arm does in `fit.csv`.
     pub motion: Settings,
     /// What it does in `check.csv`: keys that differ from `motion`; left out, the next seed.
@@ -56,6 +59,7 @@ impl Default for Scenario {
             rate_hz: 125.0,
             step_s: 0.0004,
             drive: DriveTable::default(),
+            servo: None,
             motion: Settings::default(),
             check: toml::Table::new(),
             controller: ControllerSettings::default(),
@@ -140,7 +144,10 @@ impl Scenario {
     fn resolve(&self, file: &Path) -> Result<Experiment, String> {
         let chain = Chain { base: self.base.clone(), tip: self.tip.clone() };
         let loaded = read_robot(&self.robot, &chain, file).map_err(|e| format!("robot: {e}"))?.1;
-        let drive = self.drive.on(&self.robot, loaded.robot.dof()).map_err(|e| e.to_string())?;
+        let drive = self
+            .drive
+            .on(&self.robot, loaded.robot.dof(), self.servo.as_ref())
+            .map_err(|e| e.to_string())?;
         self.on(Moved { robot: loaded.robot, drive, known: Vec::new(), notes: loaded.notes })
     }
 

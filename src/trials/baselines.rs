@@ -88,7 +88,9 @@ pub fn baselines(
 
 fn candidates(twin: &Twin, settings: &Settings) -> impl Iterator<Item = &'static dyn Effect> {
     let absent = |name: &str| !twin.effects.iter().chain(&settings.without).any(|n| n == name);
-    let open = move |e: &&dyn Effect| e.seen() == Seen::Columns && absent(e.about().name);
+    let open = move |e: &&dyn Effect| {
+        e.seen() == Seen::Columns && absent(e.about().name) && twin.can_have(*e)
+    };
     CATALOGUE.iter().copied().filter(open)
 }
 

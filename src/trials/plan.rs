@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::foreign::FOREIGN;
 use super::{Kind, TrialError};
-use crate::effects::{CATALOGUE, Effect, Seen};
+use crate::effects::{CATALOGUE, DriveKind, Effect, Seen};
 
 /// Strengths effects are drawn at.
 const STRENGTHS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
@@ -71,6 +71,11 @@ fn refuse_unknown(only: &[String]) -> Result<(), TrialError> {
     }
 }
 
+/// Effects that an arm can have whose currents are recorded.
+fn of_currents() -> impl Iterator<Item = &'static dyn Effect> {
+    CATALOGUE.iter().copied().filter(|e| e.of_drive() != DriveKind::Servo)
+}
+
 /// All there is of a kind, in the order it is to be drawn.
 fn pool(kind: Kind, only: &[String], rng: &mut ChaCha8Rng) -> Vec<Plan> {
     let all = CATALOGUE.iter().chain(FOREIGN).map(|e| e.about().name);
@@ -81,7 +86,7 @@ fn pool(kind: Kind, only: &[String], rng: &mut ChaCha8Rng) -> Vec<Plan> {
     let names = |list: &[&'static dyn Effect]| -> Vec<&'static str> {
         list.iter().map(|e| e.about().name).filter(wanted).collect()
     };
-    let (hidden, seen): (Effects, Effects) = CATALOGUE.iter().copied().partition(unseen);
+    let (hidden, seen): (Effects, Effects) = of_currents().partition(unseen);
     let seen: Effects = seen.into_iter().filter(|e| !KNOWN.contains(&e.about().name)).collect();
     match kind {
         Kind::Clean if chosen.is_empty() || only.iter().any(|o| o == kind.name()) => {
@@ -174,7 +179,7 @@ mod tests {
         assert_eq!(plans.len(), 420);
         let count = |kind| plans.iter().filter(|p| p.kind == kind).count();
         assert!(count(Kind::Clean) >= 100 && count(Kind::Pair) >= 40 && count(Kind::Foreign) >= 24);
-        for effect in CATALOGUE.iter().filter(|e| e.seen() != Seen::Simulation) {
+        for effect in of_currents().filter(|e| e.seen() != Seen::Simulation) {
             let name = effect.about().name;
             for strength in STRENGTHS {
                 let hides =

@@ -10,6 +10,7 @@ impl Twin {
         let Samples { dt, q, qd, qdd, .. } = samples;
         Motion {
             start: samples.start,
+            told: samples.told.as_ref(),
             temperature: samples.temperature.as_ref(),
             band_hz: match samples.conditioning.torque_cutoff_hz {
                 cutoff if cutoff > 0.0 => cutoff,

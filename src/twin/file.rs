@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::Twin;
-use super::parts::{DriveTable, PerJoint, named_from, read_robot};
+use super::parts::{DriveTable, PerJoint, ServoTable, named_from, read_robot};
 use crate::effects::{self, Parameter, Scope};
 use crate::files::write_whole;
 use crate::limits::read_settings;
@@ -27,8 +27,13 @@ pub enum TwinError {
     Value { file: PathBuf, key: String, problem: String },
     #[error("{}: `robot`: {source}", file.display())]
     Robot { file: PathBuf, source: RobotError },
-    #[error("{}: `[drive]`: {source}", file.display())]
+    #[error("{}: {}{source}", file.display(), table(source))]
     Drive { file: PathBuf, source: RobotError },
+}
+
+/// Where a wrong value stands, for messages; a servo's says so itself.
+fn table(wrong: &RobotError) -> &'static str {
+    if matches!(wrong, RobotError::Servo(_)) { "" } else { "`[drive]`: " }
 }
 
 /// The file as written; what is left out takes the UR5's value where there is one.
@@ -42,6 +47,9 @@ struct Contents {
     #[serde(skip_serializing_if = "Option::is_none")]
     tip: Option<String>,
     drive: DriveTable,
+    /// Where the motors are position servos.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    servo: Option<ServoTable>,
     twin: TwinTable,
 }
 
@@ -80,7 +88,7 @@ impl Twin {
         let (robot, notes) = (loaded.robot, loaded.notes);
         let drive = contents
             .drive
-            .on(&source, robot.dof())
+            .on(&source, robot.dof(), contents.servo.as_ref())
             .map_err(|source| TwinError::Drive { file: file.into(), source })?;
         let wrong = |(key, problem)| TwinError::Value { file: file.into(), key, problem };
         let effects = contents.twin.effects.unwrap_or_else(|| Self::default().effects);
@@ -118,7 +126,8 @@ impl Twin {
         let twin = TwinTable { effects: Some(self.effects.clone()), values: values.collect() };
         let Chain { base, tip } = self.chain.clone();
         let drive = DriveTable::of(&self.drive);
-        let contents = Contents { robot: Some(self.source.clone()), base, tip, drive, twin };
+        let servo = self.drive.servo.as_ref().map(ServoTable::of);
+        let contents = Contents { robot: Some(self.source.clone()), base, tip, drive, servo, twin };
         // Strings, lists and numbers under fixed keys: nothing TOML cannot hold.
         toml::to_string(&contents).unwrap_or_default()
     }

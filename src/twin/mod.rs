@@ -14,12 +14,12 @@ mod possible;
 mod tests;
 
 pub use file::TwinError;
-pub use parts::{DriveTable, PerJoint, read_robot};
+pub use parts::{DriveTable, PerJoint, ServoTable, read_robot};
 
 use std::collections::BTreeMap;
 
 use crate::effects::{
-    CATALOGUE, Effect, Mechanism, Motion, Parameter, Role, Scope, complete, find,
+    CATALOGUE, DriveKind, Effect, Mechanism, Motion, Parameter, Role, Scope, complete, find,
 };
 use crate::robot::{Chain, Drive, Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
@@ -51,6 +51,15 @@ impl Twin {
     /// Effects that lack a value for some parameter: to be fitted.
     pub fn open(&self) -> impl Iterator<Item = &'static dyn Effect> {
         self.catalogued().filter(|e| !self.knows(*e))
+    }
+
+    /// Can an arm with such drives have the effect?
+    pub fn can_have(&self, effect: &dyn Effect) -> bool {
+        match effect.of_drive() {
+            DriveKind::Any => true,
+            DriveKind::Current => self.drive.servo.is_none(),
+            DriveKind::Servo => self.drive.servo.is_some(),
+        }
     }
 
     /// The values of an effect at one joint in the order of its parameters, where known.

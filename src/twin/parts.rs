@@ -6,7 +6,8 @@ use std::path::{Component, Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::files::guard::folder_of;
-use crate::robot::{self, Chain, Drive, Loaded, RobotError};
+use crate::robot::servo::kind;
+use crate::robot::{self, Chain, Drive, Loaded, RobotError, Servo};
 
 /// `5.0` or `[5.0, 6.0, 4.5, 1.2, 1.4, 1.2]`, base to wrist.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -54,10 +55,17 @@ impl DriveTable {
     ///
     /// # Errors
     /// If a value is missing for this arm, is not positive, or a list has the wrong length.
-    pub fn on(&self, robot: &str, dof: usize) -> Result<Drive, RobotError> {
+    pub fn on(
+        &self,
+        robot: &str,
+        dof: usize,
+        servo: Option<&ServoTable>,
+    ) -> Result<Drive, RobotError> {
         let each = |v: &Option<PerJoint>| v.as_ref().map(|v| v.expand(dof));
         let mut drive = match (each(&self.gear_ratio), each(&self.torque_constant)) {
             (Some(gear_ratio), Some(torque_constant)) => Drive::new(gear_ratio, torque_constant),
+            // A servo tells no current.
+            (None, None) if servo.is_some() => Drive::new(vec![1.0; dof], vec![1.0; dof]),
             (gear_ratio, torque_constant) => {
                 let known = Drive::for_robot(robot, dof)?;
                 Drive {
@@ -72,8 +80,82 @@ impl DriveTable {
         }
         drive.current_limit = each(&self.current_limit).or(drive.current_limit);
         drive.torque_limit = each(&self.torque_limit).or(drive.torque_limit);
+        drive.servo = servo.map(|s| s.on(dof)).transpose()?;
         drive.check(dof)?;
         Ok(drive)
+    }
+}
+
+/// The `[servo]` table: a known servo, or its values, or both; values win.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ServoTable {
+    /// A servo whose values are published.
+    pub model: Option<String>,
+    /// Supply, V, of such a servo.
+    pub volts: Option<PerJoint>,
+    /// Value of the gain register: with `model` it says the gain, else what `gain` is for.
+    pub gain_register: Option<PerJoint>,
+    pub gain: Option<PerJoint>,
+    pub damping: Option<PerJoint>,
+    pub max_torque: Option<PerJoint>,
+    pub dead_band: Option<PerJoint>,
+    pub delay: Option<PerJoint>,
+    pub offset: Option<PerJoint>,
+}
+
+impl ServoTable {
+    /// The servos of an arm of `dof` joints.
+    ///
+    /// # Errors
+    /// If there is neither a known model nor a gain, or a value does not fit.
+    pub fn on(&self, dof: usize) -> Result<Servo, RobotError> {
+        let each = |v: &Option<PerJoint>| v.as_ref().map(|v| v.expand(dof));
+        let mut servo = match (&self.model, each(&self.gain)) {
+            (Some(model), _) => {
+                let kind = kind(model)?;
+                let volts = each(&self.volts).unwrap_or_else(|| vec![kind.volts; dof]);
+                let usual = || vec![kind.register; dof];
+                Servo::of_kind(kind, &volts, &each(&self.gain_register).unwrap_or_else(usual))
+            }
+            (None, Some(gain)) => Servo::new(gain),
+            (None, None) => {
+                return Err(RobotError::Servo(
+                    "give model = \"sts3215\" or another known servo, or gain (N.m/rad)".into(),
+                ));
+            }
+        };
+        servo.register = each(&self.gain_register).or(servo.register);
+        for (given, own) in [
+            (&self.gain, &mut servo.gain),
+            (&self.damping, &mut servo.damping),
+            (&self.max_torque, &mut servo.max_torque),
+            (&self.dead_band, &mut servo.dead_band),
+            (&self.delay, &mut servo.delay),
+            (&self.offset, &mut servo.offset),
+        ] {
+            each(given).into_iter().for_each(|values| *own = values);
+        }
+        servo.check(dof)?;
+        Ok(servo)
+    }
+
+    /// The table that [`ServoTable::on`] makes the same servos of.
+    pub fn of(servo: &Servo) -> Self {
+        let each = |v: &Vec<f64>| Some(PerJoint::Each(v.clone()));
+        let said = |v: &Vec<f64>| each(v).filter(|_| v.iter().any(|x| *x != 0.0));
+        Self {
+            model: None,
+            volts: None,
+            gain_register: servo.register.as_ref().and_then(each),
+            gain: each(&servo.gain),
+            damping: said(&servo.damping),
+            max_torque: each(&servo.max_torque)
+                .filter(|_| servo.max_torque.iter().all(|m| m.is_finite())),
+            dead_band: said(&servo.dead_band),
+            delay: said(&servo.delay),
+            offset: said(&servo.offset),
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use crate::motion::MotionError;
 use crate::recording::RecordingError;
 use crate::resimulation::ResimulationError;
 use crate::robot::RobotError;
+use crate::servo::ServoError;
 use crate::signals::SignalError;
 use crate::simulation::{ScenarioError, SimulationError};
 use crate::twin::TwinError;
@@ -47,6 +48,8 @@ pub enum WorkflowError {
     #[error(transparent)]
     Resimulation(#[from] ResimulationError),
     #[error(transparent)]
+    Servo(#[from] ServoError),
+    #[error(transparent)]
     Interrupted(#[from] Interrupted),
 }
 
@@ -66,6 +69,9 @@ impl WorkflowError {
             Self::Interrupted(_)
             | Self::Identification(IdentificationError::Interrupted(_))
             | Self::Diagnosis(DiagnosisError::Interrupted(_))
+            | Self::Servo(
+                ServoError::Interrupted(_) | ServoError::Diagnosis(DiagnosisError::Interrupted(_)),
+            )
             | Self::Simulation(SimulationError::Stopped { .. })
             | Self::Resimulation(ResimulationError::Simulation(SimulationError::Stopped {
                 ..

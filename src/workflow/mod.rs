@@ -8,6 +8,7 @@
 //! Long work is followed and ended by a [`Watch`](crate::follow::Watch).
 
 mod arm;
+mod by;
 mod diagnose;
 mod error;
 mod identify;
@@ -20,8 +21,8 @@ pub use arm::{Arm, Said};
 pub use diagnose::{Diagnose, Diagnosed, DiagnosisDocument, Recorded, diagnose};
 pub use error::WorkflowError;
 pub use identify::{
-    BaseRow, INERTIA, IdentificationDocument, Identified, Identify, KnownLoad, Left, Link,
-    LinkValue, Scaled, Summary, Used, identify, words,
+    BaseRow, INERTIA, IdentificationDocument, Identified, IdentifiedServos, Identify, KnownLoad,
+    Left, Link, LinkValue, Scaled, ServosDocument, Summary, Told, Used, identify, words,
 };
 pub use predict::{Predicted, predict};
 pub use reading::{Prepared, Reading};

@@ -101,6 +101,10 @@ impl Reading {
 }
 
 impl<'a> Prepared<'a> {
+    pub(super) fn of(recording: Recording) -> Self {
+        Self(Cow::Owned(recording))
+    }
+
     pub fn into_owned(self) -> Recording {
         self.0.into_owned()
     }

@@ -30,6 +30,7 @@ mod rigid_body;
 mod robots;
 mod round_trip;
 mod rtde;
+mod servo;
 mod shell;
 mod simulate;
 mod study;

@@ -9,6 +9,7 @@ use armtwin::identification::{
     self, ArmProblem, Method, MethodResult, ParameterEstimate, Settings, Terms, assemble,
 };
 use armtwin::recording::Recording;
+use armtwin::servo::{self, Track, free_parameters};
 use armtwin::signals::{Conditioning, Derivatives, Samples, condition};
 use armtwin::simulation::{Experiment, Run, Scenario, Simulation};
 use armtwin::twin::{PerJoint, Twin};
@@ -392,5 +393,32 @@ fn rounded_channels_lie_on_their_steps() {
         let x = case.run.recording.channel(&format!("{channel}_{joint}")).unwrap();
         assert!(x.iter().all(|x| (x / step - (x / step).round()).abs() < 1e-9), "{step}");
         assert!(x.iter().any(|other| *other != x[0]));
+    }
+}
+
+/// Simulated along its command the joint goes where it was recorded, with the values that were hidden in it.
+#[test]
+fn what_servos_are_other_than_assumed_is_found_by_simulation() {
+    for (effect, trip) in coming_back(|trip| matches!(trip, RoundTrip::Followed { .. })) {
+        let RoundTrip::Followed { within } = trip else { continue };
+        let name = effect.about().name;
+        let case = Case::changed(effect, 1.0, |scenario| {
+            (scenario.rate_hz, scenario.motion.duration_s) = (125.0, 6.0);
+        });
+        let mut twin = case.twin();
+        twin.effects = vec!["viscous".into()];
+        let viscous = case.made.setup.effects.iter().find(|i| i.effect.about().name == "viscous");
+        let viscous = viscous.unwrap().values.iter().map(|v| v[0]).collect();
+        twin.values = BTreeMap::from([("viscous".to_string(), viscous)]);
+        let samples = condition_with(&case.run.recording, &twin, &Conditioning::default());
+        let track = Track::new(&samples, twin.drive.servo.as_ref().unwrap()).unwrap();
+        let free = free_parameters(&twin, &[name.to_string()]).unwrap();
+        let settings = servo::Settings { horizon_s: 2.0, ..servo::Settings::default() };
+        let found = servo::identify(&twin, &[&track], &free, &settings, &()).unwrap();
+        let parameter = &effect.about().parameters[0];
+        for (j, truth) in case.truth(parameter, parameter.null).into_iter().enumerate() {
+            let e = found.estimates.iter().find(|e| e.joint == Some(j + 1)).unwrap();
+            assert!((e.value - truth).abs() < within * truth.abs(), "{name}: {truth}, {e:?}");
+        }
     }
 }

@@ -5,6 +5,7 @@ mod causes;
 mod gap;
 mod output;
 mod page;
+mod position;
 #[cfg(test)]
 mod tests;
 
@@ -12,13 +13,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use super::by::ByArgs;
 use super::conditioning::ConditioningArgs;
 use super::outputs::{self, Output};
 use super::progress::Progress;
 use super::recordings::WorkArgs;
 use super::twin::ArmArgs;
 use super::{out, save, view};
-use crate::diagnosis::{self, Settings};
+use crate::diagnosis::{self, By, Settings};
 use crate::effects;
 use crate::recording::refuse_same;
 use crate::workflow::{Diagnose, Diagnosed};
@@ -47,6 +49,8 @@ pub struct Args {
     check: Option<PathBuf>,
     #[command(flatten)]
     arm: ArmArgs,
+    #[command(flatten)]
+    by: ByArgs,
     #[command(flatten)]
     work: WorkArgs,
     /// Folder for diagnosis.json, report.html, twin.rrd and twin.toml [default: no files]
@@ -104,6 +108,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let next = &mut done.diagnosis.next_experiment;
     *next = next.replace(diagnosis::TWIN, &args.arm.as_given());
     println!("{}", arm.line());
+    if done.diagnosis.by == By::Simulation {
+        println!("{}", By::Simulation.line());
+        out::page(&position::page(&done.diagnosis));
+    }
     out::page(&if args.full { page::page(&done) } else { brief::page(&done) });
     if let Some(out) = &args.out {
         write(&done, out)?;
@@ -134,6 +142,7 @@ impl Args {
             .seed(self.seed)
             .mass_error(self.mass_error.unwrap_or(usual.mass_error))
             .centre_error_m(self.centre_error.unwrap_or(usual.centre_error_m))
+            .by(self.by.asked())
             .simulated(!self.no_simulation)
             .reading(self.work.reading(self.conditioning.options())))
     }

@@ -33,6 +33,8 @@ fn by_hand() -> Diagnosis {
         rms_nm,
         low_nm: 0.9 * rms_nm,
         high_nm: 1.1 * rms_nm,
+        rms_rad: None,
+        noise_floor_rad: None,
         noise_floor_nm: 0.5,
         floor_from: "estimate".into(),
         share: rms_nm / 4.0,
@@ -66,6 +68,8 @@ fn by_hand() -> Diagnosis {
     Diagnosis {
         schema: "armtwin.diagnosis/1".into(),
         armtwin: "0.0.0".into(),
+        by: crate::diagnosis::By::default(),
+        position: None,
         verdict: Verdict::Explained,
         gap: Gap { joints: vec![joint(1, 1.0), joint(2, 3.0)] },
         adjustments: vec![],

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use super::example::example;
-use super::typical::typical;
+use super::typical::{bare, typical};
 use super::words::{by_hand, comes_back, number, on, range, shows_as};
-use crate::effects::{About, CATALOGUE, Effect, Motion, Scope, Seen};
+use crate::effects::{About, CATALOGUE, DriveKind, Effect, Motion, Scope, Seen};
 use crate::export::{Target, export};
 use crate::robot::gravity_torque;
 use crate::robot::{Workspace, inverse_dynamics_series};
@@ -79,8 +79,7 @@ fn on_what(about: &About) -> &'static str {
 }
 
 fn held(about: &About, target: Target) -> &'static str {
-    let bare = Twin { effects: Vec::new(), ..Twin::default() };
-    let without = export(&bare, target, "").text;
+    let without = export(&bare(about), target, "").text;
     let exported = export(&typical(about), target, "");
     let body = |text: &str| text.split_once("-->").map(|(_, body)| body.to_string());
     let named = exported.left.iter().any(|l| l.effect == about.name);
@@ -94,6 +93,10 @@ fn held(about: &About, target: Target) -> &'static str {
 fn looks(effect: &dyn Effect, motion: &Sines) -> String {
     if effect.seen() != Seen::Columns {
         return shows_as(effect.seen()).into();
+    }
+    if effect.of_drive() == DriveKind::Servo {
+        return "a position that its command does not explain, where position servos are recorded"
+            .into();
     }
     let twin = typical(effect.about());
     let all = &motion.samples;

@@ -65,6 +65,10 @@ pub fn comes_back(effect: &dyn Effect) -> Option<String> {
             "nothing in the torque; joint {} is more than {times} times as far off its command",
             joint + 1
         ),
+        RoundTrip::Followed { within } => format!(
+            "every value within {:.0} %, from command and position alone",
+            100.0 * within
+        ),
         RoundTrip::Steps { channel, joint, parameter } => {
             format!("{channel} of joint {} on steps of {parameter}", joint + 1)
         }

@@ -4,6 +4,7 @@ mod brief;
 mod links;
 mod print;
 mod scale;
+mod servos;
 
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -12,12 +13,14 @@ use anyhow::{Context, bail};
 
 use scale::LoadArgs;
 
+use super::by::ByArgs;
 use super::conditioning::ConditioningArgs;
 use super::outputs::Output;
 use super::progress::Progress;
 use super::recordings::WorkArgs;
 use super::save;
 use super::twin::ArmArgs;
+use crate::diagnosis::By;
 use crate::identification::{IdentificationError, Method, Search};
 use crate::recording::refuse_same;
 use crate::robot::urdf::{self, Chain};
@@ -43,11 +46,14 @@ use crate::workflow::{INERTIA, Identified, Identify, Prepared};
   armtwin identify empty.csv --loaded loaded.csv --payload 2.805kg --save-twin scaled.toml
   armtwin identify fit.csv --method nlse --bounds stribeck_velocity=0.01:0.2")]
 pub struct Args {
-    /// Recording to fit: file, or folder with one log per signal
-    recording: PathBuf,
-    /// Another recording, which the fit is tested on but not fitted to [default: none]
+    /// Recording to fit: file, or folder with one log per signal; several where servos are simulated
+    #[arg(value_name = "RECORDING", required = true)]
+    recordings: Vec<PathBuf>,
+    /// Another recording, which the fit is tested on but not fitted to (repeatable where servos are simulated) [default: none]
     #[arg(long, value_name = "RECORDING")]
-    check: Option<PathBuf>,
+    check: Vec<PathBuf>,
+    #[command(flatten)]
+    by: ByArgs,
     #[command(flatten)]
     arm: ArmArgs,
     /// Estimators, in the order they are printed: swarm, least squares, posterior by Markov chains
@@ -147,9 +153,19 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     arm.scaled = args.load.given().is_none();
     how.terms_for(&arm)?;
     let watch = Progress::default();
-    let read = |path: &Path| args.work.read(path, &arm, args.conditioning.options(), &watch);
-    let fit = read(&args.recording)?;
-    let check = args.check.as_deref().map(read).transpose()?;
+    let given = arm.clone();
+    let read = |path: &Path| args.work.read(path, &given, args.conditioning.options(), &watch);
+    let all = |paths: &[PathBuf]| paths.iter().map(|p| read(p)).collect::<anyhow::Result<Vec<_>>>();
+    let (mut fit, mut check) = (all(&args.recordings)?, all(&args.check)?);
+    let every: Vec<&Prepared<'_>> = fit.iter().chain(&check).collect();
+    let by = how.method(&mut arm.twin, &every)?;
+    if by == By::Simulation {
+        servos::refuse_flags(args)?;
+        let found = how.servos(&arm, fit, check, &watch)?;
+        watch.end();
+        return servos::run(args, &arm, &found);
+    }
+    let (fit, check) = (args.only(&mut fit)?, args.only(&mut check).ok());
     check.iter().try_for_each(|check| refuse_same(&fit, check)).context("--check")?;
     let loaded = args.load.given().map(|(path, load)| -> anyhow::Result<_> {
         let loaded: Prepared<'_> = read(path)?;
@@ -187,6 +203,18 @@ fn write(report: &Report<'_>) -> anyhow::Result<()> {
 }
 
 impl Args {
+    /// The only recording.
+    fn only<'a>(&self, recordings: &mut Vec<Prepared<'a>>) -> anyhow::Result<Prepared<'a>> {
+        if recordings.len() > 1 {
+            bail!(
+                "{} recordings are named: give one, and one to --check; several at once are fitted where \
+                 servos are simulated (--by simulation)",
+                recordings.len()
+            );
+        }
+        recordings.pop().context("name a recording")
+    }
+
     /// What is asked for.
     fn wanted(&self) -> Identify {
         let methods = self.method.iter().map(|method| match method {
@@ -207,6 +235,7 @@ impl Args {
             .seed(self.seed)
             .reduce(self.reduce)
             .total_mass(self.total_mass)
+            .by(self.by.asked())
             .reading(self.work.reading(self.conditioning.options()))
     }
 

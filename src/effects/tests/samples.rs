@@ -5,7 +5,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::robot::{Body, Inertia, Joint, Limits, Placement, inverse_dynamics_series};
+use crate::robot::{
+    Body, Inertia, Joint, Limits, Placement, Servo, Told, inverse_dynamics_series, servo,
+};
 
 /// A chain of `dof` joints with random masses, axes and offsets.
 pub fn random_arm(dof: usize, rng: &mut ChaCha8Rng) -> Robot {
@@ -52,6 +54,18 @@ pub fn pendulum() -> Robot {
     arm
 }
 
+/// Servos told to be 0.1 rad ahead and to go on at 0.5 rad/s; they are off in the first samples of many.
+fn told(q: &JointSeries, qd: &JointSeries) -> Told {
+    let servo = Servo::new(vec![20.0; q.joints()]);
+    let ahead = |q: &[f64]| -> Vec<f64> {
+        q.iter().enumerate().map(|(k, q)| q + 0.1 + 0.5 * DT * k as f64).collect()
+    };
+    let on = |q: &[f64]| (0..q.len()).map(|k| if k + 50 < q.len() { 0.0 } else { 1.0 }).collect();
+    let powered = Some(q.map_joints(|_, q| on(q)));
+    let settings = servo::Settings { register: None, powered };
+    servo.told(q.map_joints(|_, q| ahead(q)), q, qd, &settings, DT).0
+}
+
 /// Temperature of every joint, deg C.
 const TEMPERATURE_C: f64 = 45.0;
 pub const DT: f64 = 0.02;
@@ -62,6 +76,8 @@ pub struct Samples {
     pub qd: JointSeries,
     pub qdd: JointSeries,
     pub temperature: JointSeries,
+    /// What servos of 20 N.m/rad were told; at first without power.
+    pub told: Told,
 }
 
 impl Samples {
@@ -82,7 +98,8 @@ impl Samples {
             x.map_joints(|_, x| (0..x.len()).map(|k| (x[k] - x[k.max(1) - 1]) / DT).collect())
         };
         let (qd, temperature) = (backward(&q), q.map_joints(|_, q| vec![TEMPERATURE_C; q.len()]));
-        Self { robot, qdd: backward(&qd), q, qd, temperature }
+        let told = told(&q, &qd);
+        Self { robot, qdd: backward(&qd), q, qd, temperature, told }
     }
 
     /// The pendulum through q, qd, qdd, one row per sample.
@@ -90,19 +107,22 @@ impl Samples {
         let series = |i: usize| JointSeries::from_joints(&[rows.iter().map(|r| r[i]).collect()]);
         let temperature = JointSeries::from_joints(&[vec![TEMPERATURE_C; rows.len()]]);
         let [q, qd, qdd] = [0, 1, 2].map(series);
-        Self { robot: pendulum(), q, qd, qdd, temperature }
+        let told = told(&q, &qd);
+        Self { robot: pendulum(), q, qd, qdd, temperature, told }
     }
 
     /// The first `n` samples.
     pub fn first(self, n: usize) -> Self {
         let cut = |x: &JointSeries| x.map_joints(|_, x| x[..n].to_vec());
-        let Self { robot, q, qd, qdd, temperature } = self;
-        Self { robot, q: cut(&q), qd: cut(&qd), qdd: cut(&qdd), temperature: cut(&temperature) }
+        let Self { robot, q, qd, qdd, temperature, .. } = self;
+        let (q, qd) = (cut(&q), cut(&qd));
+        let told = told(&q, &qd);
+        Self { robot, qdd: cut(&qdd), temperature: cut(&temperature), told, q, qd }
     }
 
     pub fn motion(&self) -> Motion<'_> {
         let motion = Motion::new(&self.robot, DT, &self.q, &self.qd, &self.qdd);
-        Motion { temperature: Some(&self.temperature), ..motion }
+        Motion { temperature: Some(&self.temperature), told: Some(&self.told), ..motion }
     }
 
     /// Torque at every joint that the values of joint `from` (or of the whole arm) explain, N.m.

@@ -6,7 +6,7 @@ use rand::seq::{IndexedRandom, SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
 use super::{DrawOn, Ground, foreign};
-use crate::effects::{CATALOGUE, Effect, Seen};
+use crate::effects::{CATALOGUE, DriveKind, Effect, Seen};
 use crate::trials::case::case_name;
 use crate::trials::plan::graded;
 use crate::trials::{Kind, TrialError};
@@ -108,7 +108,10 @@ pub fn graftable(
     let open: Vec<&str> = twin.open().map(|e| e.about().name).collect();
     let catalogue = CATALOGUE.iter().copied().filter(|e| {
         let fitted = open.contains(&e.about().name);
-        e.seen() != Seen::Simulation && !fitted && recorded(*e, grounds)
+        e.seen() != Seen::Simulation
+            && !fitted
+            && e.of_drive() != DriveKind::Servo
+            && recorded(*e, grounds)
     });
     let named = |kind: Kind, e: &dyn Effect| (kind, e.about().name);
     let all: Vec<(Kind, &'static str)> = catalogue

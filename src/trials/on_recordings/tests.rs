@@ -186,7 +186,8 @@ fn the_strength_is_what_was_asked_for() {
 fn the_whole_catalogue_can_be_grafted() {
     let open = ["coulomb", "viscous"];
     let grafted = CATALOGUE.iter().map(|e| (e, e.about())).filter(|(e, about)| {
-        let unrecorded = about.name == "temperature_friction";
+        let unrecorded = about.name == "temperature_friction"
+            || e.of_drive() == crate::effects::DriveKind::Servo;
         e.seen() != Seen::Simulation && !open.contains(&about.name) && !unrecorded
     });
     for (_, about) in grafted {

@@ -64,6 +64,8 @@ fn samples(third: &Third) -> Samples {
         qd: third.qd.clone(),
         qdd: third.qdd.clone(),
         torque: third.torque.clone(),
+        told: None,
+        response: None,
         sensed: None,
         temperature: Some(third.temperature.clone()),
         usable: vec![true; third.time.len()],

@@ -79,6 +79,8 @@ pub(super) fn answer(
         adjustments: vec![],
         schema: String::new(),
         armtwin: String::new(),
+        by: crate::diagnosis::By::default(),
+        position: None,
         verdict,
         gap: Gap::default(),
         causes,

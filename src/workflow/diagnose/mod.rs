@@ -9,13 +9,14 @@ mod scene;
 
 use std::time::Instant;
 
-use super::{Arm, Prepared, Reading, WorkflowError, conditioned};
-use crate::diagnosis::{self, Diagnosis, Settings, Traces, mend};
+use super::{Arm, Prepared, Reading, WorkflowError, by, conditioned};
+use crate::diagnosis::{self, By, Diagnosis, Settings, Traces, mend};
 use crate::effects;
 use crate::follow::Watch;
 use crate::recording::{Provenance, Recording};
 use crate::report::Fact;
 use crate::series::JointSeries;
+use crate::servo::{self, Found};
 use crate::signals::{Conditioning, Samples};
 use crate::twin::Twin;
 
@@ -33,13 +34,16 @@ pub use document::DiagnosisDocument;
 pub struct Diagnose {
     pub settings: Settings,
     pub reading: Reading,
+    /// Against recorded torque, or by simulating command to position; `None`: what is recorded decides.
+    pub by: Option<By>,
     /// Move both twins again in the simulation.
     pub simulate: bool,
 }
 
 impl Default for Diagnose {
     fn default() -> Self {
-        Self { settings: Settings::default(), reading: Reading::default(), simulate: true }
+        let (settings, reading) = (Settings::default(), Reading::default());
+        Self { settings, reading, by: None, simulate: true }
     }
 }
 
@@ -107,6 +111,12 @@ impl Diagnose {
         self
     }
 
+    /// Against recorded torque, or by simulating command to position.
+    pub fn by(mut self, by: Option<By>) -> Self {
+        self.by = by;
+        self
+    }
+
     /// Whether both twins are moved again in the simulation.
     pub fn simulated(mut self, simulate: bool) -> Self {
         self.simulate = simulate;
@@ -169,22 +179,22 @@ impl Diagnose {
         check: Option<Prepared<'a>>,
         watch: &dyn Watch,
     ) -> Result<Diagnosed, WorkflowError> {
-        let [fit, check] = fit.pair(check)?;
+        let mut twin = twin.clone();
+        let pair = fit.pair(check)?;
+        let by = by::choose(self.by, &mut twin, &pair.each_ref())?;
+        let [fit, check] = pair.map(|recording| by::kept(by, recording));
+        let twin = &twin;
         let how = self.reading.signals.over(common([&fit, &check], twin.robot.dof()));
         let samples = [&fit, &check].map(|r| conditioned(r, twin, &how));
         let [fit_samples, check_samples] = samples;
         let (fit_samples, check_samples) = (fit_samples?, check_samples?);
         let clock = Instant::now();
-        watch.tell("searching for what the twin lacks", 0, 0);
-        let (found, traces) =
-            diagnosis::diagnose_traced(twin, &fit_samples, &check_samples, &self.settings, watch)?;
-        let mended = mend(twin, &found.fitted, &found.changes());
-        let mut diagnosis = found;
-        let mut simulated = Vec::new();
-        if self.simulate {
-            let twins = [twin, &mended];
-            simulated = resimulated::add(&mut diagnosis, twins, &check, &check_samples, watch)?;
-        }
+        let samples = [&fit_samples, &check_samples];
+        let Found { diagnosis, traces, simulated } = match by {
+            By::Torque => self.by_torque(twin, samples, &check, watch)?,
+            By::Simulation => servo::diagnose(twin, samples, &self.settings, watch)?,
+        };
+        let mended = mend(twin, &diagnosis.fitted, &diagnosis.changes());
         let seconds = clock.elapsed().as_secs_f64();
         let recorded = |recording: &Recording, samples| {
             let provenance = recording.provenance.clone();
@@ -201,6 +211,25 @@ impl Diagnose {
             simulated,
             seconds,
         })
+    }
+
+    /// Searches by recorded torque, and moves both twins again where that is wanted.
+    fn by_torque(
+        &self,
+        twin: &Twin,
+        [fit, check]: [&Samples; 2],
+        recording: &Recording,
+        watch: &dyn Watch,
+    ) -> Result<Found, WorkflowError> {
+        watch.tell("searching for what the twin lacks", 0, 0);
+        let (mut diagnosis, traces) =
+            diagnosis::diagnose_traced(twin, fit, check, &self.settings, watch)?;
+        let mut simulated = Vec::new();
+        if self.simulate {
+            let mended = mend(twin, &diagnosis.fitted, &diagnosis.changes());
+            simulated = resimulated::add(&mut diagnosis, [twin, &mended], recording, check, watch)?;
+        }
+        Ok(Found { diagnosis, traces, simulated })
     }
 }
 

@@ -5,10 +5,12 @@ mod document;
 mod page;
 mod rigid_body;
 mod scaled;
+mod servos;
+mod servos_document;
 pub mod words;
 
 use super::{Arm, Prepared, Reading, WorkflowError, conditioned};
-use crate::diagnosis;
+use crate::diagnosis::{self, By};
 use crate::follow::Watch;
 use crate::identification::{
     self, ArmProblem, BoundsByName, Dropped, IdentificationError, Inertial, LinkFit, Located,
@@ -21,6 +23,8 @@ use crate::twin::Twin;
 pub use document::IdentificationDocument;
 pub use rigid_body::{BaseRow, INERTIA, Left, Link, LinkValue, Summary};
 pub use scaled::{KnownLoad, Scaled};
+pub use servos::{IdentifiedServos, Told};
+pub use servos_document::ServosDocument;
 
 /// What `armtwin identify` can be told; the defaults are its.
 ///
@@ -45,6 +49,8 @@ pub struct Identify {
     /// With [`INERTIA`]: mass of all moving links where it is known, kg.
     pub total_mass: Option<f64>,
     pub reading: Reading,
+    /// Against recorded torque, or by simulating command to position; `None`: what is recorded decides.
+    pub by: Option<By>,
 }
 
 /// An identification and all that led to it.
@@ -142,6 +148,12 @@ impl Identify {
     /// Mass of all moving links, kg.
     pub fn total_mass(mut self, kg: Option<f64>) -> Self {
         self.total_mass = kg;
+        self
+    }
+
+    /// Against recorded torque, or by simulating command to position.
+    pub fn by(mut self, by: Option<By>) -> Self {
+        self.by = by;
         self
     }
 

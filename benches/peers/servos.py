@@ -1,0 +1,225 @@
+"""Arms of position servos: armtwin beside bam on one servo, and on the six of an SO-101.
+
+    git clone https://github.com/Rhoban/bam && python3 -m venv peers && peers/bin/pip install optuna cmaes numpy
+    peers/bin/python benches/peers/servos.py RECORDINGS --bam bam --work WORK -o docs/servos.md
+    (with --no-fits it takes the fits and diagnoses that WORK holds)
+
+RECORDINGS holds rhoban-bam_xl330 and sage-so101. bam's models M1 to M6 are fitted by bam's own fit.py (CMA-ES
+by optuna, --trials of them) on the logs of FIT and judged by its own simulator on all others; its fits are kept
+in WORK, where those that are there are not made again. ARMTWIN is the program (target/release/armtwin).
+"""
+import argparse
+import gzip
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+ARMTWIN = os.environ.get('ARMTWIN', str(ROOT / 'target/release/armtwin'))
+FIT_KP, FIT_MOTIONS = (100, 400), ('sin_sin', 'lift_and_drop', 'sin_time_square')
+MODELS = ['m1', 'm2', 'm3', 'm4', 'm5', 'm6']
+USUAL = 'servo_gain,servo_damping,servo_delay,encoder_offset,rotor_inertia,coulomb,viscous'
+TERMS = {'dry and viscous': USUAL, 'and load friction': USUAL + ',load_friction',
+         'and friction with the motor\'s torque': USUAL + ',servo_friction',
+         'and both': USUAL + ',load_friction,servo_friction'}
+
+
+def armtwin(*arguments):
+    done = subprocess.run([ARMTWIN, *map(str, arguments)], capture_output=True, text=True)
+    if done.returncode:
+        raise RuntimeError(f'{arguments}: {done.stderr}')
+    return done.stdout
+
+
+def logs(folder):
+    """(file, kp, motion) of every log, in the order they were recorded."""
+    found = []
+    for file in sorted(folder.glob('*.json.gz')):
+        log = json.loads(gzip.open(file).read())
+        found.append((file, log['kp'], log['trajectory']))
+    return found
+
+
+def is_fitted(log):
+    return log[1] in FIT_KP and log[2] in FIT_MOTIONS
+
+
+def bam(all_logs, arguments):
+    """Mean absolute position error of bam's models on the logs that were not fitted, rad, log by log."""
+    work = arguments.work
+    environment = dict(os.environ, PYTHONPATH=f'{arguments.bam}:{work / "stub"}', OMP_NUM_THREADS='1')
+    (work / 'stub').mkdir(parents=True, exist_ok=True)
+    (work / 'stub/wandb.py').write_text('')
+    for part in ('fit', 'unseen'):
+        raw = work / f'raw_{part}'
+        raw.mkdir(exist_ok=True)
+        (work / part).mkdir(exist_ok=True)
+        for log in all_logs:
+            if is_fitted(log) == (part == 'fit'):
+                (raw / log[0].name.removesuffix('.gz')).write_bytes(gzip.open(log[0]).read())
+        subprocess.run([sys.executable, '-m', 'bam.process', '--raw', raw, '--logdir', work / part],
+                       env=environment, check=True, capture_output=True)
+    (work / 'params').mkdir(exist_ok=True)
+    for model in MODELS:
+        file, log = work / f'params/{model}.json', work / f'params/{model}.log'
+        if not file.exists() and not arguments.no_fits:
+            with open(log, 'w') as out:
+                subprocess.run([sys.executable, '-m', 'bam.fit', '--logdir', work / 'fit', '--actuator', 'xl330',
+                                '--model', model, '--trials', str(arguments.trials), '--output', file],
+                               env=environment, check=True, stdout=out, stderr=out)
+    sys.path[:0] = [str(arguments.bam), str(work / 'stub')]
+    from bam import simulate
+    from bam.logs import Logs
+    from bam.model import load_model
+    unseen = Logs(str(work / 'unseen')).logs
+    found = {}
+    for model in MODELS:
+        if not (work / f'params/{model}.json').exists():
+            continue
+        loaded = load_model(str(work / f'params/{model}.json'))
+        errors = []
+        for log in sorted(unseen, key=lambda log: log['filename']):
+            predicted, _, _ = simulate.Simulator(loaded).rollout_log(log, simulate_control=True)
+            measured = np.array([entry['position'] for entry in log['entries']])
+            errors.append(float(np.mean(np.abs(np.array(predicted) - measured))))
+        found[f'bam {model.upper()}'] = errors
+    return found
+
+
+def ours(all_logs, work):
+    """The same of armtwin with several groups of terms, and the fit of the last one."""
+    twin = ROOT / 'scenarios/twins/xl330_pendulum.toml'
+    fit = [log[0] for log in all_logs if is_fitted(log)]
+    checks = [x for log in all_logs if not is_fitted(log) for x in ('--check', log[0])]
+    found, seconds, fits = {}, {}, {}
+    for name, terms in TERMS.items():
+        out = work / 'ours.json'
+        armtwin('identify', *fit, *checks, '--twin', twin, '--every-row', '--terms', terms, '--json', out)
+        method = json.loads(out.read_text())['methods'][0]
+        found[f'armtwin, {name}'] = [g['joints'][0]['mean_abs_rad'] for g in method['check']['after']]
+        seconds[name] = method['joints'][0]['seconds']
+        fits[name] = method['joints'][0]['parameters']
+    return found, seconds, fits
+
+
+def table(head, rows):
+    lines = ['| ' + ' | '.join(head) + ' |', '|---' + '|---:' * (len(head) - 1) + '|']
+    return '\n'.join(lines + ['| ' + ' | '.join(map(str, row)) + ' |' for row in rows])
+
+
+def mrad(rad):
+    return f'{1e3 * rad:.1f}'
+
+
+def one_servo(arguments):
+    all_logs = logs(arguments.recordings / 'rhoban-bam_xl330')
+    unseen = [log for log in all_logs if not is_fitted(log)]
+    peers = bam(all_logs, arguments)
+    own, seconds, fits = ours(all_logs, arguments.work)
+    everything = {**peers, **own}
+    motions = sorted({log[2] for log in unseen})
+    rows = []
+    for name, errors in everything.items():
+        of = [np.mean([e for e, log in zip(errors, unseen) if log[2] == motion]) for motion in motions]
+        rows.append([name, mrad(np.mean(errors)), *map(mrad, of)])
+    best = min(np.mean(e) for e in peers.values()) if peers else float('nan')
+    least = min(own, key=lambda name: np.mean(own[name]))
+    below = 'met' if np.mean(own[least]) < best else '**not met**'
+    missing = [m.upper() for m in MODELS if f'bam {m.upper()}' not in peers]
+    text = [f'Goal: less position error than the best of bam\'s models on logs that were not fitted. {below}: '
+            f'{mrad(np.mean(own[least]))} mrad ({least}) beside {mrad(best)} mrad.',
+            '', table(['mean absolute error, mrad', 'all', *motions], rows), '']
+    if missing:
+        text += [f'bam\'s {", ".join(missing)} were not fitted here in time.', '']
+    last = list(fits)[-1]
+    text += [f'armtwin took {", ".join(f"{s:.0f}" for s in seconds.values())} s for these groups. '
+             f'Values, {last}:', '',
+             table(['parameter', 'value', '99 % interval', 'unit', 'told'],
+                   [[p['name'], f'{p["value"]:.4f}', f'{p["low"] or 0:.4f} to {p["high"] or 0:.4f}', p['unit'],
+                     'yes' if p['identifiable'] else 'no'] for p in fits[last]])]
+    return '\n'.join(text)
+
+
+SO101 = """robot = "{robot}"
+tip = "moving_jaw_so101_v1_link"
+[drive]
+rotor_inertia = 0.028
+[servo]
+gain = 17.8
+damping = 0.55
+max_torque = 3.35
+[twin]
+effects = ["coulomb", "viscous"]
+"""
+PAIRS = [('multisine', 'chirp_sweep'), ('chirp_sweep', 'multisine')]
+
+
+NOT_MEASURED = """## Not measured, and not met
+
+* More pairs of the SO-101, its play, and what clock jitter makes of all this are not measured.
+* One log, up_and_down at register 800, in which the servo stalls at full duty, was known to be missed by every model
+  with friction of the load alone before `servo_friction` was written; it is one of the ten that are not fitted.
+* Blind trials of arms that record position only, and speed beside mujoco-sysid."""
+
+
+def six_servos(arguments):
+    folder = arguments.recordings / 'sage-so101'
+    twin = arguments.work / 'so101.toml'
+    twin.write_text(SO101.format(robot=folder / 'so101_new_calib.urdf'))
+    rows, joints = [], []
+    for fit, check in PAIRS:
+        out = arguments.work / f'{fit}_{check}.json'
+        if not out.exists() or not arguments.no_fits:
+            armtwin('diagnose', '--fit', folder / fit, '--check', folder / check, '--from', 5, '--to', 35,
+                    '--twin', twin, '--json', out)
+        found = json.loads(out.read_text())
+        causes = [f'{c["effect"]} {" ".join(map(str, c["joints"]))} ({100 * c["probability"]:.0f} %)'.strip()
+                  for c in found['causes']]
+        position = found['position']
+        rows.append([fit, check, mrad(position['before_rad']), mrad(position['after_rad']),
+                     '; '.join(causes) or 'none', f'{found["seconds"]:.0f}'])
+        joints.append([f'{fit}, {check}', *(f'{mrad(j["before_rad"])}, {mrad(j["after_rad"])}'
+                                            for j in position['joints'])])
+    alike = len({tuple(sorted(c['effect'] for c in json.loads((arguments.work / f'{f}_{c}.json').read_text())['causes']))
+                 for f, c in PAIRS}) == 1
+    rounding = [mrad(j['rounding_rad']) for j in position['joints']]
+    return '\n'.join([
+        "Six STS3215 (isaac-sim2real/sage, 50 Hz). The twin is the makers' URDF and MuJoCo values, Coulomb and viscous "
+        'friction open; 30 s of one motion are searched, 30 s of another decide, along which the twin is then led '
+        'from the first sample to the last. Before: friction fitted, nothing added.', '',
+        f'Both should name the same effects: {"met" if alike else "**not met**"}.', '',
+        table(['searched', 'decided on', 'before, mrad', 'after', 'causes', 's'], rows), '',
+        'Joint by joint, root mean square before and after, mrad:', '',
+        table(['', '1', '2', '3', '4', '5', '6'], joints + [['rounding to steps', *rounding]])])
+
+
+def main():
+    parse = argparse.ArgumentParser(description=__doc__.split('\n')[0])
+    parse.add_argument('recordings', type=Path)
+    parse.add_argument('--bam', type=Path, required=True)
+    parse.add_argument('--work', type=Path, required=True)
+    parse.add_argument('--trials', type=int, default=3000)
+    parse.add_argument('--no-fits', action='store_true', help='take the fits of bam that are there')
+    parse.add_argument('-o', '--out', type=Path)
+    arguments = parse.parse_args()
+    began = time.time()
+    page = ['# Arms that record no torque', '',
+            'Made by `python benches/peers/servos.py RECORDINGS --bam BAM --work WORK -o docs/servos.md`.', '',
+            '## One servo beside bam', '',
+            'A Dynamixel XL330 that moves .49 kg at .10 m, 16 logs of 6 s (four gain registers, four motions). '
+            f'Fitted are kp {" and ".join(map(str, FIT_KP))} with the motions {", ".join(FIT_MOTIONS)}, six logs; '
+            'all figures are of the ten others, each simulated from its first sample to its last. bam\'s models '
+            f'by bam\'s own fit (CMA-ES, {arguments.trials} trials each, its loss) and simulator at 5 ms.', '',
+            one_servo(arguments), '', '## Six servos of an SO-101', '', six_servos(arguments), '', NOT_MEASURED]
+    text = '\n'.join(page) + '\n'
+    print(f'{time.time() - began:.0f} s', file=sys.stderr)
+    arguments.out.write_text(text) if arguments.out else print(text)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,30 @@
+//! What a diagnosis of position servos says of positions.
+
+use crate::diagnosis::{Diagnosis, words};
+use crate::report::{paragraph, table};
+
+/// Errors of the simulated position, joint by joint, and what each cause takes off.
+pub fn page(d: &Diagnosis) -> String {
+    let Some(position) = &d.position else { return String::new() };
+    let mrad = |rad: f64| format!("{:.2}", 1e3 * rad);
+    let joint = |j: &crate::diagnosis::JointPositionShrink| {
+        let errors = [j.before_rad, j.after_rad, j.rounding_rad].map(mrad);
+        std::iter::once(j.joint.to_string()).chain(errors).collect()
+    };
+    let head = ["joint", "before mrad", "after mrad", "rounding mrad"];
+    let mut text = format!(
+        "\nPosition: twin led along the command of the check recording, rms; {} -> {} mrad over all joints\n{}\n",
+        mrad(position.before_rad),
+        mrad(position.after_rad),
+        table(&head, 1, position.joints.iter().map(joint))
+    );
+    for cause in &position.causes {
+        let (effect, place) = (&cause.effect, words::place(&cause.joints));
+        let [before, after] = [cause.before_rad, cause.after_rad].map(mrad);
+        text += &format!("{effect}, {place}: {before} -> {after} mrad beside the other causes\n");
+    }
+    let torque = "Values are those by which the simulated position follows the fit recording best. Torque \
+                  below is position times the servo's gain: what the recorded position shows that the twin \
+                  does not give.";
+    text + &paragraph("", torque) + "\n"
+}

@@ -1,0 +1,68 @@
+//! A diagnosis of position servos: the search of `diagnosis`, on what a simulation leaves of recorded positions.
+//!
+//! The recordings are seen from the motion of a twin that follows them ([`linearised`]): the one given, with whatever
+//! a servo and plain friction can be at every joint fitted by simulation. What the twin as given lacks along that motion
+//! is the torque by which both differ, and what the recorded position shows beyond it: the first is exact however
+//! far the twin is off, the second is small, so that its sensitivities are good. Values of what is found are then
+//! fitted by simulation, too.
+
+use super::judge::{ELASTIC, prove, refit};
+use super::{ServoError, Settings, Track, free_parameters, identify, linearised};
+use crate::diagnosis::{self, Diagnosis, Traces, diagnose_traced, mend};
+use crate::follow::Watch;
+use crate::series::JointSeries;
+use crate::signals::Samples;
+use crate::twin::Twin;
+
+/// What lets a simulated servo follow a recorded one, whatever the cause.
+const FOLLOWING: [&str; 6] =
+    ["servo_gain", "servo_offset", "servo_delay", "coulomb", "viscous", "rotor_inertia"];
+
+/// What was found of an arm of position servos.
+pub struct Found {
+    pub diagnosis: Diagnosis,
+    pub traces: Traces,
+    /// Positions (rad) of the twin as given and of the mended one, led along the command of the check recording.
+    pub simulated: Vec<JointSeries>,
+}
+
+/// Searches causes on `fit`, decides on `check`, and proves on `check` by simulation what they bring.
+///
+/// # Errors
+/// If the twin has no servos or runs away, a recording is too short, or `watch` ends it.
+pub fn diagnose(
+    twin: &Twin,
+    [fit, check]: [&Samples; 2],
+    settings: &diagnosis::Settings,
+    watch: &dyn Watch,
+) -> Result<Found, ServoError> {
+    let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
+    let [fit_track, check_track] = [Track::new(fit, servo)?, Track::new(check, servo)?];
+    watch.tell("fitting what the twin leaves open", 0, 0);
+    let before = refit(twin, twin, &[], &fit_track, watch)?;
+    let near = following(&before.twin, &fit_track, watch)?;
+    watch.tell("searching for what the twin lacks", 0, 0);
+    let horizon_s = Settings::default().horizon_s;
+    let [seen_fit, seen_check] = [fit, check].map(|s| linearised(&near, s, horizon_s));
+    let (mut diagnosis, traces) =
+        diagnose_traced(twin, &seen_fit?, &seen_check?, &without_elastic(settings), watch)?;
+    watch.tell("fitting causes by simulation", 0, 0);
+    let changes = diagnosis.changes();
+    let mended = mend(twin, &diagnosis.fitted, &changes);
+    let after = refit(&mended, twin, &changes, &fit_track, watch)?;
+    let simulated = prove(&mut diagnosis, twin, [before, after], &check_track)?;
+    Ok(Found { diagnosis, traces, simulated })
+}
+
+/// The twin with values by which it follows the recording, whatever they stand for.
+fn following(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, ServoError> {
+    let free = free_parameters(twin, &FOLLOWING.map(String::from))?;
+    Ok(identify(twin, &[fit], &free, &Settings::default(), watch)?.twin)
+}
+
+/// What gives way between motor and link is not simulated here, and so cannot be proved.
+fn without_elastic(settings: &diagnosis::Settings) -> diagnosis::Settings {
+    let mut settings = settings.clone();
+    settings.without.extend(ELASTIC.map(String::from));
+    settings
+}

@@ -1,0 +1,213 @@
+//! The fit: bounded Levenberg-Marquardt on position errors, and what the data say of its values.
+
+use nalgebra::DMatrix;
+
+use super::gap::PositionGap;
+use super::parameters::{Free, with_values};
+use super::problem::Problem;
+use super::{ServoError, Track, replay};
+use crate::follow::{Watch, go_on, stoppable};
+use crate::identification::levenberg_marquardt::{Residuals, Settings as Search, Stop, minimise};
+use crate::regression::bounds::Bounds;
+use crate::statistics::infer;
+use crate::twin::Twin;
+
+/// Choices of a fit; echoed in every output.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Settings {
+    /// Longest stretch that is simulated from one measured state, s.
+    pub horizon_s: f64,
+    /// Of intervals.
+    pub level: f64,
+    /// Simulations of everything, at most.
+    pub max_evaluations: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { horizon_s: 5.0, level: 0.99, max_evaluations: 2000 }
+    }
+}
+
+/// A fitted value.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Estimate {
+    pub effect: &'static str,
+    pub name: &'static str,
+    pub unit: &'static str,
+    /// From 1; none for one of the whole arm.
+    pub joint: Option<usize>,
+    pub value: f64,
+    pub low: f64,
+    pub high: f64,
+    /// Of the effect not being there, where there is such a value.
+    pub p: f64,
+    pub at_bound: bool,
+    /// Do these recordings tell it?
+    pub identifiable: bool,
+}
+
+/// What came of it.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    pub estimates: Vec<Estimate>,
+    /// The twin with the values in it.
+    pub twin: Twin,
+    /// Position errors of each recording before and after.
+    pub before: Vec<PositionGap>,
+    pub after: Vec<PositionGap>,
+    pub samples: usize,
+    pub cost: f64,
+    pub evaluations: usize,
+    pub stop: Stop,
+}
+
+/// The first round takes stretches of this share: where a joint sticks a little earlier or later the error of
+/// long ones jumps, that of short ones hardly.
+const SHORT: f64 = 0.1;
+/// Rounds over stretches of full length: each joint weighs by what the last one left of it.
+const ROUNDS: usize = 2;
+/// Evaluations of the last round, by differences between simulations.
+const LAST: usize = 8;
+/// Shortest recording, s.
+const SHORTEST_S: f64 = 1.0;
+
+/// Fits `free` to all `tracks` at once.
+///
+/// # Errors
+/// If the twin cannot be simulated as given, the tracks are too short for so many values, or `watch` ends it.
+pub fn identify(
+    twin: &Twin,
+    tracks: &[&Track],
+    free: &[Free],
+    settings: &Settings,
+    watch: &dyn Watch,
+) -> Result<Fitted, ServoError> {
+    if free.is_empty() {
+        return Err(ServoError::NothingToFit);
+    }
+    let problem = Problem::new(twin, tracks, free, settings.horizon_s);
+    let seconds = problem.samples() as f64 * tracks.first().map_or(0.0, |t| t.dt);
+    if seconds < SHORTEST_S {
+        return Err(ServoError::TooShort { seconds, needed: SHORTEST_S });
+    }
+    let x: Vec<f64> = free.iter().map(|f| f.start).collect();
+    let before = gaps(&with_values(twin, free, &x), tracks, settings)?;
+    let (problem, x, evaluations, stop) = stoppable(watch, || search(problem, x, settings, watch))?;
+    let estimates = estimates(&problem, &x, settings)?;
+    let fitted = with_values(twin, free, &x);
+    let after = gaps(&fitted, tracks, settings)?;
+    let samples = problem.count();
+    let mut r = vec![0.0; samples];
+    problem.residuals(&x, &mut r);
+    let cost = (r.iter().map(|r| r * r).sum::<f64>() / samples as f64).sqrt();
+    Ok(Fitted { estimates, twin: settled(fitted), before, after, samples, cost, evaluations, stop })
+}
+
+/// Rounds, the first over short stretches, each joint weighed by what the last one left of it.
+fn search<'a>(
+    mut problem: Problem<'a>,
+    mut x: Vec<f64>,
+    settings: &Settings,
+    watch: &dyn Watch,
+) -> (Problem<'a>, Vec<f64>, usize, Stop) {
+    let bounds = Bounds::new(
+        problem.free.iter().map(|f| f.min).collect(),
+        problem.free.iter().map(|f| f.max).collect(),
+    )
+    .unwrap_or_else(|_| Bounds::unbounded(x.len()));
+    let search = Search {
+        // Less than one recording tells from the next.
+        cost_tolerance: 1e-4,
+        step_tolerance: 1e-4,
+        gradient_tolerance: 1e-8,
+        max_evaluations: settings.max_evaluations / (1 + ROUNDS),
+    };
+    let mut short =
+        Problem::new(problem.twin, problem.tracks, problem.free, SHORT * settings.horizon_s);
+    (short.by_sensitivity, problem.by_sensitivity) = (true, true);
+    let (mut evaluations, mut stop) = (0, Stop::Evaluations);
+    for round in 0..=ROUNDS {
+        let problem = if round == 0 { &mut short } else { &mut problem };
+        go_on(watch);
+        problem.weights = weights(problem, &x);
+        let found = minimise(problem, &x, &bounds, &search);
+        evaluations += found.evaluations;
+        (x, stop) = (found.x, found.stop);
+    }
+    // What neighbouring joints and moments of sticking make of it besides.
+    problem.by_sensitivity = false;
+    let found = minimise(&problem, &x, &bounds, &Search { max_evaluations: LAST, ..search });
+    let stop = if stop.converged() { stop } else { found.stop };
+    (problem, found.x, evaluations + found.evaluations, stop)
+}
+
+/// 1 / rms of each joint's errors, rounding counted among them.
+fn weights(problem: &Problem<'_>, x: &[f64]) -> Vec<f64> {
+    let (errors, rows) = (problem.errors(x), problem.samples());
+    let resolution = |j: usize| problem.tracks.iter().map(|t| t.resolution[j]).fold(0.0, f64::max);
+    let of = |j: usize| {
+        let squares: f64 = errors[j * rows..(j + 1) * rows].iter().map(|e| e * e).sum();
+        let least = (resolution(j).powi(2) / 12.0).max(1e-12);
+        let rms = (squares / rows as f64).max(least).sqrt();
+        if rms.is_finite() { 1.0 / rms } else { 1.0 }
+    };
+    (0..problem.weights.len()).map(of).collect()
+}
+
+fn estimates(
+    problem: &Problem<'_>,
+    x: &[f64],
+    settings: &Settings,
+) -> Result<Vec<Estimate>, ServoError> {
+    let free = problem.free;
+    let bounds = Bounds::unbounded(x.len());
+    let mut r = vec![0.0; problem.count()];
+    problem.residuals(x, &mut r);
+    let columns = problem.jacobian(x, &r, &bounds);
+    let jacobian = DMatrix::from_fn(r.len(), x.len(), |i, j| columns[j][i]);
+    let measured: Vec<f64> = r.iter().map(|r| -r).collect();
+    let null: Vec<f64> = free
+        .iter()
+        .map(|f| if f.parameter.null.is_finite() { f.parameter.null } else { 0.0 })
+        .collect();
+    let found = infer(x, &null, &jacobian, &measured, &problem.slots(), settings.level)?;
+    let one = |(i, f): (usize, &Free)| {
+        let robust = &found.robust[i];
+        let reach = 1e-6 * (f.max - f.min).min(1.0);
+        Estimate {
+            effect: f.effect.about().name,
+            name: f.parameter.name,
+            unit: f.parameter.unit,
+            joint: f.joint.map(|j| j + 1),
+            value: x[i],
+            low: robust.low,
+            high: robust.high,
+            p: robust.p,
+            at_bound: x[i] - f.min <= reach || f.max - x[i] <= reach,
+            identifiable: found.design.is_determined(i),
+        }
+    };
+    Ok(free.iter().enumerate().map(one).collect())
+}
+
+fn gaps(
+    twin: &Twin,
+    tracks: &[&Track],
+    settings: &Settings,
+) -> Result<Vec<PositionGap>, ServoError> {
+    let of = |track: &&Track| {
+        let simulated = replay(twin, track, &track.stretches(settings.horizon_s))?;
+        Ok(PositionGap::new(track, &simulated))
+    };
+    tracks.iter().map(of).collect()
+}
+
+/// A fitted rotor goes to the drive, as in every twin that is written.
+fn settled(mut twin: Twin) -> Twin {
+    if let Some(inertia) = twin.values.remove("rotor_inertia") {
+        twin.drive.rotor_inertia = inertia;
+        twin.effects.retain(|e| e != "rotor_inertia");
+    }
+    twin
+}

@@ -1,0 +1,199 @@
+//! What a search found of position servos, held against positions: its values are fitted by simulation, and the
+//! twin before and after, and without each cause, is led along the command of the check recording.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::{
+    Estimate, Free, PositionGap, ServoError, Settings, Track, free_parameters, identify, replay,
+};
+use crate::diagnosis::{
+    By, Cause, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink,
+};
+use crate::effects::{Role, Seen, find};
+use crate::follow::Watch;
+use crate::series::JointSeries;
+use crate::twin::Twin;
+
+/// Effects with a degree of freedom of their own.
+pub const ELASTIC: [&str; 2] = ["backlash", "joint_flexibility"];
+
+/// A twin with values fitted by simulation.
+pub struct Refitted {
+    pub twin: Twin,
+    pub estimates: Vec<Estimate>,
+}
+
+/// `start` with the values of what `twin` leaves open and of the causes fitted by simulation.
+///
+/// # Errors
+/// As [`identify`].
+pub fn refit(
+    start: &Twin,
+    twin: &Twin,
+    causes: &[Cause],
+    fit: &Track,
+    watch: &dyn Watch,
+) -> Result<Refitted, ServoError> {
+    let settings = Settings { level: LEVEL, ..Settings::default() };
+    let free = free(start, twin, causes)?;
+    if free.is_empty() {
+        return Ok(Refitted { twin: start.clone(), estimates: Vec::new() });
+    }
+    let fitted = identify(start, &[fit], &free, &settings, watch)?;
+    Ok(Refitted { twin: fitted.twin, estimates: fitted.estimates })
+}
+
+/// What the twin leaves open, and the parameters of the causes where they act.
+fn free(start: &Twin, twin: &Twin, causes: &[Cause]) -> Result<Vec<Free>, ServoError> {
+    let open: Vec<String> = twin.open().map(|e| e.about().name.to_string()).collect();
+    let mut free = free_parameters(start, &open)?;
+    for cause in causes.iter().filter(|c| is_simulated(&c.effect)) {
+        let own = free_parameters(start, std::slice::from_ref(&cause.effect))?;
+        let acts = |joint: usize| cause.joints.is_empty() || cause.joints.contains(&(joint + 1));
+        let there = |f: &Free| {
+            let same = |g: &Free| (g.parameter.name, g.joint) == (f.parameter.name, f.joint);
+            free.iter().any(same)
+        };
+        let own: Vec<Free> =
+            own.into_iter().filter(|f| f.joint.is_none_or(acts) && !there(f)).collect();
+        free.extend(own);
+    }
+    Ok(free)
+}
+
+/// Leads the twin as given and the mended one, and the mended one without each cause, along the command of the
+/// check recording, and adds to `diagnosis` what that shows; returns their positions, rad. Values are those
+/// that were fitted by simulation.
+///
+/// # Errors
+/// If a twin runs away.
+pub fn prove(
+    diagnosis: &mut Diagnosis,
+    twin: &Twin,
+    [before, after]: [Refitted; 2],
+    check: &Track,
+) -> Result<Vec<JointSeries>, ServoError> {
+    keep_open(&mut diagnosis.fitted_before, twin, &before.twin);
+    keep_open(&mut diagnosis.fitted, twin, &after.twin);
+    let all = diagnosis.causes.iter_mut().chain(&mut diagnosis.adjustments);
+    all.for_each(|cause| keep_cause(cause, twin, &after.estimates));
+    // What a simulation holds to be absent stays in the mended twin and is not named.
+    let (absent, named) = std::mem::take(&mut diagnosis.causes).into_iter().partition(is_absent);
+    diagnosis.causes = named;
+    diagnosis.adjustments.extend::<Vec<Cause>>(absent);
+    let stretches = check.stretches(f64::INFINITY);
+    let of = |twin: &Twin| replay(twin, check, &stretches);
+    let (q_before, q_after) = rayon::join(|| of(&before.twin), || of(&after.twin));
+    let (q_before, q_after) = (q_before?, q_after?);
+    let gaps = [&q_before, &q_after].map(|q| PositionGap::new(check, q));
+    let rms = gaps[1].rms_rad();
+    let without = |cause: &Cause| -> Result<PositionShrink, ServoError> {
+        let twin = taken_out(&after.twin, twin, cause);
+        let before_rad = PositionGap::new(check, &of(&twin)?).rms_rad();
+        let Cause { effect, joints, .. } = cause.clone();
+        let fraction = share(before_rad, rms);
+        Ok(PositionShrink { effect, joints, before_rad, after_rad: rms, fraction })
+    };
+    let causes = diagnosis.causes.par_iter().map(without).collect::<Result<_, _>>()?;
+    put(diagnosis, &gaps, causes);
+    Ok(vec![q_before, q_after])
+}
+
+/// Of the intervals of a diagnosis.
+const LEVEL: f64 = 0.9;
+
+/// Does it change the simulated motion all the time, in a way that is simulated here?
+fn is_simulated(effect: &str) -> bool {
+    let known = find(effect);
+    !ELASTIC.contains(&effect)
+        && known.is_some_and(|e| e.seen() == Seen::Columns && !e.lasts_a_while())
+}
+
+/// What the twin leaves open takes the values that were fitted by simulation.
+fn keep_open(kept: &mut BTreeMap<String, Vec<f64>>, twin: &Twin, fitted: &Twin) {
+    for parameter in twin.open().flat_map(|e| e.about().parameters) {
+        if let Some(values) = fitted.values.get(parameter.name) {
+            kept.insert(parameter.name.into(), values.clone());
+        }
+    }
+}
+
+/// A cause takes the values that were fitted by simulation, less what the twin has of it.
+fn keep_cause(cause: &mut Cause, twin: &Twin, estimates: &[Estimate]) {
+    let joints = cause.joints.clone();
+    for value in &mut cause.parameters {
+        let joint = value.joint.or(joints.first().copied());
+        let own = |e: &&Estimate| e.name == value.name && (e.joint.is_none() || e.joint == joint);
+        let Some(found) = estimates.iter().find(own) else { continue };
+        let less = match cause.replaces {
+            Some(_) => 0.0,
+            None => stated(twin, found.name, found.joint.unwrap_or(1) - 1),
+        };
+        (value.value, value.low, value.high) =
+            (found.value - less, found.low - less, found.high - less);
+        value.at_bound = found.at_bound;
+    }
+}
+
+/// Do the intervals of all values by which a cause is what it is hold that it is not there?
+fn is_absent(cause: &Cause) -> bool {
+    let effect = find(&cause.effect);
+    let counts = |name: &str| {
+        let own = effect.and_then(|e| e.about().parameters.iter().find(|p| p.name == name));
+        own.is_some_and(|p| p.role == Role::Linear)
+    };
+    let mut values = cause.parameters.iter().filter(|v| counts(&v.name)).peekable();
+    values.peek().is_some() && values.all(|v| v.low <= 0.0 && v.high >= 0.0)
+}
+
+/// What a twin has of a parameter that is added to; zero where it has nothing of it.
+fn stated(twin: &Twin, name: &str, joint: usize) -> f64 {
+    let of_drive = if name == "rotor_inertia" { twin.drive.rotor_inertia[joint] } else { 0.0 };
+    twin.values.get(name).and_then(|v| v.get(joint)).copied().unwrap_or(of_drive)
+}
+
+/// The mended twin with the values of one cause as `twin` has them, all others as they are.
+fn taken_out(mended: &Twin, twin: &Twin, cause: &Cause) -> Twin {
+    let mut without = mended.clone();
+    let acts = |joint: usize| cause.joints.is_empty() || cause.joints.contains(&(joint + 1));
+    if cause.effect == "rotor_inertia" {
+        let joints = (0..twin.robot.dof()).filter(|j| acts(*j));
+        joints.for_each(|j| without.drive.rotor_inertia[j] = twin.drive.rotor_inertia[j]);
+    }
+    let Some(effect) = find(&cause.effect) else { return without };
+    for p in effect.about().parameters.iter().filter(|p| p.null.is_finite()) {
+        let Some(values) = without.values.get_mut(p.name) else { continue };
+        for (j, value) in values.iter_mut().enumerate().filter(|(j, _)| acts(*j)) {
+            *value = twin.values.get(p.name).and_then(|v| v.get(j)).copied().unwrap_or(p.null);
+        }
+    }
+    without
+}
+
+fn put(diagnosis: &mut Diagnosis, [before, after]: &[PositionGap; 2], causes: Vec<PositionShrink>) {
+    let joint = |(b, a): (&super::JointPosition, &super::JointPosition)| JointPositionShrink {
+        joint: b.joint,
+        before_rad: b.rms_rad,
+        after_rad: a.rms_rad,
+        rounding_rad: b.rounding_rad,
+    };
+    let joints: Vec<JointPositionShrink> =
+        before.joints.iter().zip(&after.joints).map(joint).collect();
+    for (gap, position) in diagnosis.gap.joints.iter_mut().zip(&joints) {
+        gap.rms_rad = Some(position.before_rad);
+        gap.noise_floor_rad = Some(position.rounding_rad);
+    }
+    let (before_rad, after_rad) = (before.rms_rad(), after.rms_rad());
+    let fraction = share(before_rad, after_rad);
+    diagnosis.by = By::Simulation;
+    diagnosis.shrink.simulation =
+        Some(SimulationShrink { before_rad, after_rad, fraction, ..SimulationShrink::default() });
+    diagnosis.position = Some(Position { before_rad, after_rad, fraction, joints, causes });
+}
+
+/// Share of a mean square that is taken off between two root mean squares.
+fn share(before: f64, after: f64) -> f64 {
+    if before > 0.0 { 1.0 - (after / before).powi(2) } else { 0.0 }
+}

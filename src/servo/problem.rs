@@ -1,0 +1,184 @@
+//! Output error: positions of the twin, led along stretches of recordings that begin in measured states,
+//! less those recorded.
+//!
+//! Stretches make the error local: it forgets its begin within a servo's time constant, and no error of one
+//! stretch reaches the next (multiple shooting with the measured states for its nodes: Bock, *Recent advances
+//! in parameter identification techniques for O.D.E.*, 1983). Columns of the Jacobian come from sensitivity
+//! equations, or are differences between simulations, all stretches and parameters at once over the machine's
+//! cores.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::parameters::{Free, with_values};
+use super::replay::lead;
+use super::sensitivity::sensitivities;
+use super::{Plant, ServoError, Track};
+use crate::identification::levenberg_marquardt::Residuals;
+use crate::regression::bounds::Bounds;
+use crate::series::JointSeries;
+use crate::twin::Twin;
+
+/// Step of a difference: this share of the value, or of what the parameter usually is where it is small.
+const RELATIVE_STEP: f64 = 1e-5;
+const SMALL: f64 = 0.05;
+
+/// What is minimised.
+pub struct Problem<'a> {
+    pub twin: &'a Twin,
+    pub tracks: &'a [&'a Track],
+    pub free: &'a [Free],
+    /// Track and samples of each stretch.
+    pub stretches: Vec<(usize, Range<usize>)>,
+    /// Weight of a joint's error, 1/rad.
+    pub weights: Vec<f64>,
+    /// Columns by sensitivity equations, not by differences.
+    pub by_sensitivity: bool,
+}
+
+impl<'a> Problem<'a> {
+    /// Stretches of `horizon_s` at most; all joints weigh alike.
+    pub fn new(twin: &'a Twin, tracks: &'a [&'a Track], free: &'a [Free], horizon_s: f64) -> Self {
+        let of = |(i, t): (usize, &&Track)| -> Vec<(usize, Range<usize>)> {
+            t.stretches(horizon_s).into_iter().map(|s| (i, s)).collect()
+        };
+        let stretches = tracks.iter().enumerate().flat_map(of).collect();
+        let weights = vec![1.0; twin.robot.dof()];
+        Self { twin, tracks, free, stretches, weights, by_sensitivity: false }
+    }
+
+    /// Samples of a joint.
+    pub fn samples(&self) -> usize {
+        self.stretches.iter().map(|(_, s)| s.len()).sum()
+    }
+
+    /// Time of each row in samples of all tracks one after the other, joint after joint: increasing.
+    pub fn slots(&self) -> Vec<usize> {
+        let mut begins = vec![0];
+        self.tracks.iter().for_each(|t| begins.push(begins[begins.len() - 1] + 2 * t.len()));
+        let all = begins[self.tracks.len()];
+        let of_joint = |j: usize| {
+            let begins = &begins;
+            self.stretches
+                .iter()
+                .flat_map(move |(i, s)| s.clone().map(move |k| j * all + begins[*i] + k))
+        };
+        (0..self.weights.len()).flat_map(of_joint).collect()
+    }
+
+    /// Position errors, simulated less recorded, rad, joint after joint; infinite where it cannot be
+    /// simulated.
+    pub fn errors(&self, x: &[f64]) -> Vec<f64> {
+        self.joined(&self.simulated(&[x.to_vec()])[0])
+    }
+
+    /// For each set of values the errors of each stretch, sample by sample and joint by joint.
+    fn simulated(&self, sets: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
+        let twins: Vec<Twin> = sets.iter().map(|x| with_values(self.twin, self.free, x)).collect();
+        let pairs: Vec<(usize, usize)> =
+            (0..sets.len()).flat_map(|x| (0..self.stretches.len()).map(move |s| (x, s))).collect();
+        let mut each: Vec<Vec<f64>> =
+            pairs.par_iter().map(|&(x, s)| self.stretch(&twins[x], s)).collect();
+        let mut grouped = Vec::with_capacity(sets.len());
+        while !each.is_empty() {
+            let rest = each.split_off(self.stretches.len().min(each.len()));
+            grouped.push(std::mem::replace(&mut each, rest));
+        }
+        grouped
+    }
+
+    fn stretch(&self, twin: &Twin, s: usize) -> Vec<f64> {
+        let (i, range) = &self.stretches[s];
+        let (track, dof) = (self.tracks[*i], self.weights.len());
+        let mut errors = Vec::with_capacity(range.len() * dof);
+        let mut k = range.start;
+        let done = Plant::new(twin, track.start).and_then(|mut plant| {
+            lead(&mut plant, track, range, |plant| {
+                errors.extend((0..dof).map(|j| plant.shown(j) - track.q.joint(j)[k]));
+                k += 1;
+            })
+        });
+        if done.is_err() {
+            errors = vec![f64::INFINITY; range.len() * dof];
+        }
+        errors
+    }
+
+    /// Errors of all stretches, joint after joint.
+    fn joined(&self, stretches: &[Vec<f64>]) -> Vec<f64> {
+        let dof = self.weights.len();
+        let of =
+            |j: usize| stretches.iter().flat_map(move |s| s.iter().skip(j).step_by(dof).copied());
+        (0..dof).flat_map(of).collect()
+    }
+
+    fn weighted(&self, mut errors: Vec<f64>) -> Vec<f64> {
+        let rows = self.samples();
+        for (j, weight) in self.weights.iter().enumerate() {
+            errors[j * rows..(j + 1) * rows].iter_mut().for_each(|e| *e *= weight);
+        }
+        errors
+    }
+}
+
+impl Residuals for Problem<'_> {
+    fn count(&self) -> usize {
+        self.samples() * self.weights.len()
+    }
+
+    fn residuals(&self, x: &[f64], out: &mut [f64]) {
+        out.copy_from_slice(&self.weighted(self.errors(x)));
+    }
+
+    fn jacobian(&self, x: &[f64], r: &[f64], bounds: &Bounds) -> Vec<Vec<f64>> {
+        let step = |i: usize| {
+            let usual = self.free[i].parameter.typical.abs().min(1.0);
+            let size = RELATIVE_STEP * x[i].abs().max(SMALL * usual);
+            if x[i] + size > bounds.upper(i) { -size } else { size }
+        };
+        let steps: Vec<f64> = (0..x.len()).map(step).collect();
+        let columns = self.by_sensitivity.then(|| self.sensitivities(x, &steps).ok()).flatten();
+        columns.unwrap_or_else(|| self.differences(x, r, &steps))
+    }
+}
+
+impl Problem<'_> {
+    /// Columns by the sensitivity equation of every parameter.
+    fn sensitivities(&self, x: &[f64], steps: &[f64]) -> Result<Vec<Vec<f64>>, ServoError> {
+        let of_track = |i: usize| {
+            let own = self.stretches.iter().filter(|(track, _)| *track == i);
+            let own = own.map(|(_, stretch)| stretch.clone()).collect();
+            sensitivities(self.twin, self.free, (x, steps), self.tracks[i], own)
+        };
+        let all: Vec<Vec<JointSeries>> =
+            (0..self.tracks.len()).map(of_track).collect::<Result<_, _>>()?;
+        let column = |p: usize| {
+            let of_joint = |j: usize| {
+                let all = &all;
+                let part = move |(i, s): &(usize, Range<usize>)| {
+                    all[*i][p].joint(j)[s.clone()].iter().copied()
+                };
+                self.stretches.iter().flat_map(part)
+            };
+            self.weighted((0..self.weights.len()).flat_map(of_joint).collect())
+        };
+        Ok((0..x.len()).map(column).collect())
+    }
+
+    /// Columns by differences between simulations.
+    fn differences(&self, x: &[f64], r: &[f64], steps: &[f64]) -> Vec<Vec<f64>> {
+        let moved = |(i, step): (usize, &f64)| {
+            let mut x = x.to_vec();
+            x[i] += step;
+            x
+        };
+        let sets: Vec<Vec<f64>> = steps.iter().enumerate().map(moved).collect();
+        let column = |(stretches, step): (Vec<Vec<f64>>, &f64)| {
+            let mut column = self.weighted(self.joined(&stretches));
+            column.iter_mut().zip(r).for_each(|(c, r)| *c = (*c - r) / step);
+            column
+        };
+        self.simulated(&sets).into_iter().zip(steps).map(column).collect()
+    }
+}

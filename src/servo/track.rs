@@ -1,0 +1,85 @@
+//! A recording as servos saw it: command and position on one grid, and where each stretch may begin.
+
+use super::ServoError;
+use crate::robot::{Told, servo};
+use crate::series::JointSeries;
+use crate::signals::Samples;
+
+/// Command, position and the state it was in, at uniform instants.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    /// s
+    pub dt: f64,
+    /// Time of the first sample in the recording, s.
+    pub start: f64,
+    /// What the servos were told, rad.
+    pub command: JointSeries,
+    /// All that is recorded of what the servos were told.
+    pub told: Told,
+    /// Position as recorded, rad.
+    pub q: JointSeries,
+    /// Smoothed position and velocity, where a simulation may begin, rad and rad/s.
+    pub smooth_q: JointSeries,
+    pub qd: JointSeries,
+    /// Gain of every servo over its nominal one; 0 while it is off.
+    pub factor: JointSeries,
+    /// deg C, where recorded.
+    pub temperature: Option<JointSeries>,
+    /// False in gaps of the recording.
+    pub usable: Vec<bool>,
+    /// Smallest step between recorded positions, rad per joint.
+    pub resolution: Vec<f64>,
+}
+
+impl Track {
+    /// The track of a conditioned recording, for the servos it was conditioned with.
+    ///
+    /// # Errors
+    /// If its torque is recorded and no servo was asked.
+    pub fn new(samples: &Samples, assumed: &servo::Servo) -> Result<Self, ServoError> {
+        let told = samples.told.as_ref().ok_or(ServoError::NotTold)?;
+        Ok(Self {
+            dt: samples.dt,
+            start: samples.start,
+            command: told.command.clone(),
+            told: told.clone(),
+            q: told.q.clone(),
+            smooth_q: samples.q.clone(),
+            qd: samples.qd.clone(),
+            factor: told.gain.map_joints(|j, g| g.iter().map(|g| g / assumed.gain[j]).collect()),
+            temperature: samples.temperature.clone(),
+            usable: told.recorded.clone(),
+            resolution: told.resolution.clone(),
+        })
+    }
+
+    pub fn joints(&self) -> usize {
+        self.q.joints()
+    }
+
+    pub fn len(&self) -> usize {
+        self.q.samples()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Stretches without a gap, of `seconds` at most, as ranges of samples.
+    pub fn stretches(&self, seconds: f64) -> Vec<std::ops::Range<usize>> {
+        let most = ((seconds / self.dt).min(self.len() as f64) as usize).max(2);
+        let mut all = Vec::new();
+        for run in crate::signals::runs(&self.usable) {
+            let mut from = run.start;
+            while from < run.end {
+                // What is left over belongs to the last one.
+                let rest = run.end - from;
+                let take = if rest < most + most / 2 { rest } else { most };
+                all.push(from..from + take);
+                from += take;
+            }
+        }
+        all.retain(|s| s.len() > 1);
+        all
+    }
+}
