@@ -185,7 +185,8 @@ fn estimates(
             high: robust.high,
             p: robust.p,
             at_bound: x[i] - f.min <= reach || f.max - x[i] <= reach,
-            identifiable: found.design.is_determined(i),
+            // As by torque: what may be anything in the range it was searched in is not told.
+            identifiable: found.design.is_determined(i) && robust.high - robust.low < f.max - f.min,
         }
     };
     Ok(free.iter().enumerate().map(one).collect())

@@ -80,7 +80,10 @@ fn files_take_every_effect() {
             .filter(given)
             .map(|p| format!("{} = {:?}\n", p.name, p.typical))
             .collect();
-        let text = format!("[twin]\neffects = [\"{}\"]\n[twin.values]\n{values}", about.name);
+        let current = Twin::default().can_have(*effect);
+        let drive = if current { "" } else { "[servo]\nmodel = \"sts3215\"\n" };
+        let name = about.name;
+        let text = format!("{drive}[twin]\neffects = [\"{name}\"]\n[twin.values]\n{values}");
         let twin = Twin::parse(&text, Path::new("TWIN.toml")).unwrap();
         let known: Vec<_> = twin.known().map(|e| e.about().name).collect();
         assert_eq!(known, [about.name]);
