@@ -95,13 +95,14 @@ fn read(path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingErro
             "episode {episode} of {all} (from 0); [lerobot] episode in a column map says which"
         ));
     }
-    let recording = Recording {
+    let mut recording = Recording {
         time: table.numbers(TIME).to_vec(),
         channels,
         provenance: Provenance { source: file, format: Lerobot.name().into(), notes },
     };
-    let lines: Vec<usize> = (1..=recording.time.len()).collect();
-    refuse_bad(&recording, TIME, &lines)?;
+    let mut rows: Vec<usize> = (1..=recording.time.len()).collect();
+    recording.mend(&mut rows)?;
+    refuse_bad(&recording, TIME, &rows)?;
     Ok(recording)
 }
 

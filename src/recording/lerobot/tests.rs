@@ -21,9 +21,15 @@ fn info(version: &str, path: &str) -> String {
 
 /// Rows of these episodes, 20 each; pan is at 10 deg times the row, the gripper at 50.
 fn write(file: &Path, episodes: &[i64]) {
+    write_holed(file, episodes, None);
+}
+
+/// As above, without a number in one row.
+fn write_holed(file: &Path, episodes: &[i64], hole: Option<usize>) {
     let item = Arc::new(Field::new("item", DataType::Float32, true));
     let list = |shift: f32| -> ArrayRef {
-        let row = |k: usize| [10.0 * (k % 20) as f32 + shift, 50.0];
+        let pan = |k: usize| 10.0 * (k % 20) as f32 + shift;
+        let row = |k: usize| [if hole == Some(k) { f32::NAN } else { pan(k) }, 50.0];
         let values = Float32Array::from_iter_values((0..20 * episodes.len()).flat_map(row));
         Arc::new(FixedSizeListArray::new(item.clone(), 2, Arc::new(values), None))
     };
@@ -86,6 +92,18 @@ fn both_layouts_read_alike() {
         near("actual_q_1", 3, 0.5);
         assert!(read.provenance.notes[0].contains("so101_follower"));
     }
+}
+
+/// Found by the fuzzer.
+#[test]
+fn a_row_without_a_number_is_dropped_and_said() {
+    let root = set("v2.1");
+    let file = root.path().join("data/chunk-000/episode_000001.parquet");
+    assert!(file.exists());
+    write_holed(&file, &[1], Some(7));
+    let read = read_as(root.path(), MAP).unwrap();
+    assert_eq!((read.time.len(), read.channel("actual_q_0").unwrap().len()), (19, 19));
+    assert!(read.provenance.notes.iter().any(|n| n.contains("1 row(s)") && n.contains("row 8")));
 }
 
 #[test]
