@@ -1,5 +1,14 @@
 //! A signal of every joint on a common time base.
 
+/// A signal at a place between its samples (0: the first), on a straight line; both ends are held.
+pub fn at_place(signal: &[f64], place: f64) -> f64 {
+    let last = signal.len() - 1;
+    let place = place.clamp(0.0, last as f64);
+    let from = place as usize;
+    let next = (from + 1).min(last);
+    signal[from] + (place - from as f64) * (signal[next] - signal[from])
+}
+
 /// `joints` x `samples` values, one joint after the other, so that the samples of a joint are
 /// contiguous (hot loops run over time, joint by joint).
 #[derive(Debug, Clone, PartialEq)]

@@ -12,9 +12,8 @@ use super::outputs::Output;
 use super::source::{SourceArgs, columns, seconds};
 use super::{interrupt, progress, save};
 use crate::files;
-use crate::limits::{NUMBERS, ROWS};
-use crate::live::{Feed, Gaps, LiveError, News, Pace, Step};
-use crate::recording::{JOURNALED, Journal, RecordingError, journal_of};
+use crate::live::{Feed, LiveError, News, Pace, Recorded, Recorder};
+use crate::recording::JOURNALED;
 
 /// Record what a robot's controller streams (RTDE), or a file that is being written
 #[derive(clap::Args)]
@@ -68,9 +67,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if args.pause_by_enter {
         listen_to_lines()?;
     }
-    let mut making = Making::begin(args, &names)?;
-    let ended = making.take_all(&feed, args.seconds, &stop);
-    let done = making.end(&feed)?;
+    let source = &args.source;
+    let mut recorder = Recorder::begin(&args.out, &source.name(), source.rate, &names)?;
+    let ended = take_all(&mut recorder, &feed, args.seconds, &stop);
+    let done = Done::new(recorder.end()?, feed.lost());
     done.print(&args.source);
     args.json.as_ref().map_or(Ok(()), |path| save::json(path, "armtwin.record/1", &done))?;
     // What came is kept and said; that it was cut is a failure all the same.
@@ -130,217 +130,87 @@ impl Now {
     }
 }
 
-/// A recording in the making; the next file begins where one is full.
-struct Making<'a> {
-    args: &'a Args,
-    names: Vec<String>,
-    journal: Option<Journal>,
-    /// Rows that a file takes.
-    most: u64,
-    /// Of files that are full, and are being turned into what was asked for.
-    finishing: Vec<std::thread::JoinHandle<Result<PathBuf, RecordingError>>>,
-    parts: u64,
-    rows: u64,
-    gaps: Gaps,
-    first: Option<f64>,
-    last: f64,
-    recorded_s: f64,
-}
-
-impl<'a> Making<'a> {
-    fn begin(args: &'a Args, columns: &[String]) -> anyhow::Result<Self> {
-        let [time, names @ ..] = columns else {
-            bail!("{}: it has no columns", args.source.name())
-        };
-        if time != "timestamp" {
-            bail!(
-                "{}: its first column is {time}, where timestamp is expected",
-                args.source.name()
-            );
-        }
-        let mut making = Self {
-            args,
-            names: names.to_vec(),
-            journal: None,
-            most: most_rows(columns.len()),
-            finishing: Vec::new(),
-            parts: 0,
-            rows: 0,
-            gaps: Gaps::new(args.source.rate),
-            first: None,
-            last: 0.0,
-            recorded_s: 0.0,
-        };
-        making.next_file()?;
-        Ok(making)
-    }
-
-    /// Begins the next file; the one before is finished meanwhile.
-    fn next_file(&mut self) -> anyhow::Result<()> {
-        self.finish_file()?;
-        self.parts += 1;
-        let path = numbered(&self.args.out, self.parts);
-        files::may_write(&path)
-            .map_err(|refused| anyhow::anyhow!("{}: {refused}", path.display()))?;
-        self.journal = Some(Journal::begin(&path, &self.names)?);
-        Ok(())
-    }
-
-    fn finish_file(&mut self) -> anyhow::Result<()> {
-        if let Some(journal) = self.journal.take() {
-            let source = self.args.source.name().to_string();
-            let work = std::thread::Builder::new().name("finishes".into());
-            self.finishing.push(work.spawn(move || journal.end(&source))?);
-        }
-        Ok(())
-    }
-
-    fn is_full(&self) -> bool {
-        self.journal.as_ref().map_or(0, Journal::rows) >= self.most
-    }
-
-    /// Until the source ends, time is up or somebody stops it.
-    fn take_all(
-        &mut self,
-        feed: &Feed,
-        seconds: Option<f64>,
-        stop: &Arc<AtomicBool>,
-    ) -> anyhow::Result<()> {
-        let spinner = std::io::stderr().is_terminal().then(|| progress::spinner("recording"));
-        let [mut hands_over, mut settles, mut tells] =
-            [HANDS_OVER, SETTLES, TELLS].map(|every| Now { every, last: Instant::now() });
-        let mut stopped = false;
-        loop {
-            feed.pause(TOGGLES.load(Ordering::Relaxed) % 2 == 1);
-            match feed.next(HANDS_OVER / 2) {
-                Some(News::Row(row)) if !stopped => self.add(&row)?,
-                Some(News::Note(note)) => match &spinner {
-                    Some(spinner) => spinner.println(note),
-                    None => eprintln!("{note}"),
-                },
-                Some(News::End(ended)) => {
-                    if let Some(spinner) = spinner {
-                        spinner.finish_and_clear();
-                    }
-                    // Somebody wanted it to end: how the other side took it is no matter.
-                    return if stopped { Ok(()) } else { ended.map_err(|e| self.cut(&e)) };
-                }
-                _ => {}
-            }
-            let over = seconds.is_some_and(|s| self.length_s() >= s - 1e-9);
-            if !stopped && (over || stop.load(Ordering::Relaxed)) {
-                stopped = true;
-                feed.stop();
-            }
-            if let Some(journal) = &mut self.journal {
-                if settles.is_due() {
-                    journal.settle()?;
-                    settles.done();
-                } else if hands_over.is_due() {
-                    journal.hand_over()?;
-                    hands_over.done();
+/// Until the source ends, time is up or somebody stops it.
+fn take_all(
+    recorder: &mut Recorder,
+    feed: &Feed,
+    seconds: Option<f64>,
+    stop: &Arc<AtomicBool>,
+) -> anyhow::Result<()> {
+    let spinner = std::io::stderr().is_terminal().then(|| progress::spinner("recording"));
+    let [mut hands_over, mut settles, mut tells] =
+        [HANDS_OVER, SETTLES, TELLS].map(|every| Now { every, last: Instant::now() });
+    let mut stopped = false;
+    loop {
+        feed.pause(TOGGLES.load(Ordering::Relaxed) % 2 == 1);
+        match feed.next(HANDS_OVER / 2) {
+            Some(News::Row(row)) if !stopped => {
+                if let Some(note) = recorder.add(&row)? {
+                    eprintln!("note: {note}");
                 }
             }
-            if tells.is_due()
-                && let Some(spinner) = &spinner
-            {
-                spinner.set_message(self.state(feed));
-                tells.done();
-            }
-        }
-    }
-
-    fn cut(&self, error: &LiveError) -> anyhow::Error {
-        anyhow::anyhow!("{error}\nwhat came before is recorded ({:.1} s)", self.length_s())
-    }
-
-    fn length_s(&self) -> f64 {
-        self.recorded_s + self.first.map_or(0.0, |first| self.last - first)
-    }
-
-    fn state(&self, feed: &Feed) -> String {
-        let lost = match feed.lost() {
-            0 => String::new(),
-            n => format!(", {n} rows dropped: the disk is too slow"),
-        };
-        format!("{} rows, {:.0} s{lost}", self.rows, self.length_s())
-    }
-
-    fn add(&mut self, row: &[f64]) -> anyhow::Result<()> {
-        let time = row[0];
-        match self.gaps.step(time) {
-            // A row that came twice.
-            Step::Back(0.0) => return Ok(()),
-            Step::Back(by) => {
-                eprintln!(
-                    "note: the controller's clock went back by {by:.3} s: the recording goes on in a new file"
-                );
-                self.recorded_s = self.length_s();
-                self.first = None;
-                self.next_file()?;
+            Some(News::Note(note)) => match &spinner {
+                Some(spinner) => spinner.println(note),
+                None => eprintln!("{note}"),
+            },
+            Some(News::End(ended)) => {
+                if let Some(spinner) = spinner {
+                    spinner.finish_and_clear();
+                }
+                // Somebody wanted it to end: how the other side took it is no matter.
+                return if stopped { Ok(()) } else { ended.map_err(|e| cut(recorder, &e)) };
             }
             _ => {}
         }
-        if self.is_full() {
-            self.next_file()?;
+        let over = seconds.is_some_and(|s| recorder.length_s() >= s - 1e-9);
+        if !stopped && (over || stop.load(Ordering::Relaxed)) {
+            stopped = true;
+            feed.stop();
         }
-        self.first.get_or_insert(time);
-        self.last = time;
-        self.rows += 1;
-        match &mut self.journal {
-            Some(journal) => Ok(journal.add(row)?),
-            None => Ok(()),
+        if settles.is_due() {
+            recorder.settle()?;
+            settles.done();
+        } else if hands_over.is_due() {
+            recorder.hand_over()?;
+            hands_over.done();
         }
-    }
-
-    fn end(mut self, feed: &Feed) -> anyhow::Result<Done> {
-        if self.rows == 0 {
-            if let Some(journal) = self.journal.take() {
-                let left = journal_of(journal.path());
-                drop(journal);
-                std::fs::remove_file(left)?;
-            }
-            bail!("{}: not one row came", self.args.source.name());
+        if tells.is_due()
+            && let Some(spinner) = &spinner
+        {
+            spinner.set_message(state(recorder, feed));
+            tells.done();
         }
-        let seconds = self.length_s();
-        self.finish_file()?;
-        let mut files = Vec::new();
-        for work in self.finishing {
-            let finished =
-                work.join().map_err(|_| anyhow::anyhow!("a file could not be finished"))?;
-            files.push(finished?);
-        }
-        Ok(Done {
-            files,
-            rows: self.rows,
-            seconds,
-            dropped: feed.lost(),
-            gaps: self.gaps.count,
-            longest_gap_s: self.gaps.longest_s,
-            missing_rows: self.gaps.missing,
-            repeated_rows: self.gaps.repeated,
-            words: self.gaps.words().into_iter().collect(),
-        })
     }
 }
 
-/// As many as every command reads.
-fn most_rows(columns: usize) -> u64 {
-    ROWS.most.min(NUMBERS.most / columns as u64)
+fn cut(recorder: &Recorder, error: &LiveError) -> anyhow::Error {
+    anyhow::anyhow!("{error}\nwhat came before is recorded ({:.1} s)", recorder.length_s())
 }
 
-/// `run.parquet`, `run.2.parquet`, ...
-fn numbered(path: &Path, part: u64) -> PathBuf {
-    if part == 1 {
-        return path.into();
-    }
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let end = JOURNALED.iter().rev().find(|end| name.to_lowercase().ends_with(*end));
-    let (stem, end) = name.split_at(name.len() - end.map_or(0, |e| e.len()));
-    path.with_file_name(format!("{stem}.{part}{end}"))
+fn state(recorder: &Recorder, feed: &Feed) -> String {
+    let lost = match feed.lost() {
+        0 => String::new(),
+        n => format!(", {n} rows dropped: the disk is too slow"),
+    };
+    format!("{} rows, {:.0} s{lost}", recorder.rows(), recorder.length_s())
 }
 
 impl Done {
+    fn new(recorded: Recorded, dropped: u64) -> Self {
+        let Recorded { files, rows, seconds, gaps } = recorded;
+        Self {
+            files,
+            rows,
+            seconds,
+            dropped,
+            gaps: gaps.count,
+            longest_gap_s: gaps.longest_s,
+            missing_rows: gaps.missing,
+            repeated_rows: gaps.repeated,
+            words: gaps.words().into_iter().collect(),
+        }
+    }
+
     fn print(&self, source: &SourceArgs) {
         let files: Vec<String> = self.files.iter().map(|f| f.display().to_string()).collect();
         println!(
@@ -355,55 +225,5 @@ impl Done {
             0 => println!("no row was dropped here"),
             n => println!("{n} rows were dropped here, for the disk was slower than they came"),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use clap::Parser;
-
-    use super::*;
-
-    #[derive(Parser)]
-    struct Line {
-        #[command(flatten)]
-        args: Args,
-    }
-
-    #[test]
-    fn a_full_file_is_followed_by_the_next_without_a_row_lost() {
-        let folder = tempfile::tempdir().unwrap();
-        let out = folder.path().join("run.parquet");
-        let line = ["record", "--from", "rtde://arm", "-o", out.to_str().unwrap()];
-        let args = Line::parse_from(line).args;
-        let mut making = Making::begin(&args, &["timestamp".into(), "actual_q_0".into()]).unwrap();
-        assert_eq!(making.most, ROWS.most);
-        making.most = 400;
-        let rows = (0..1000).map(|k| [k as f64 / 125.0, k as f64]);
-        rows.clone().for_each(|row| making.add(&row).unwrap());
-        making.finish_file().unwrap();
-        let files = making.finishing.into_iter().map(|work| work.join().unwrap().unwrap());
-        let read = |path: PathBuf| crate::recording::read(&path, None).unwrap();
-        let parts: Vec<_> = files.map(read).collect();
-        let lengths: Vec<usize> = parts.iter().map(|part| part.time.len()).collect();
-        assert_eq!(lengths, [400, 400, 200]);
-        let all = parts.iter().flat_map(|part| part.channel("actual_q_0").unwrap().to_vec());
-        assert!(all.eq(rows.map(|row| row[1])));
-    }
-
-    #[test]
-    fn a_file_takes_no_more_than_is_read() {
-        for columns in [2, 44, 400] {
-            let numbers = most_rows(columns) * columns as u64;
-            assert!(ROWS.allow(most_rows(columns)).is_ok() && NUMBERS.allow(numbers).is_ok());
-        }
-    }
-
-    #[test]
-    fn further_files_are_numbered_before_the_extension() {
-        let name = |path: &str, part| numbered(Path::new(path), part).display().to_string();
-        assert_eq!(name("a/run.parquet", 1), "a/run.parquet");
-        assert_eq!(name("a/run.parquet", 2), "a/run.2.parquet");
-        assert_eq!(name("run.csv.gz", 12), "run.12.csv.gz");
     }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::Episode;
+use super::by::{By, Position};
 use super::criteria::Criteria;
 use crate::effects::{self, Ratio};
 
@@ -149,64 +150,6 @@ pub struct Cause {
     /// One line each, from the catalogue.
     pub cause: String,
     pub remedy: String,
-}
-
-/// Errors of the simulated position on the check recording.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Position {
-    pub before_rad: f64,
-    pub after_rad: f64,
-    /// 1 - after^2 / before^2.
-    pub fraction: f64,
-    pub joints: Vec<JointPositionShrink>,
-    /// What each cause takes off when it is added to all the others.
-    pub causes: Vec<PositionShrink>,
-}
-
-/// Root mean square over joints of the simulated position's error on the check recording, without a cause and
-/// with it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PositionShrink {
-    pub effect: String,
-    pub joints: Vec<usize>,
-    pub before_rad: f64,
-    pub after_rad: f64,
-    /// 1 - after^2 / before^2.
-    pub fraction: f64,
-}
-
-/// Errors at one joint, with what the encoder's steps alone leave.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct JointPositionShrink {
-    /// From 1 at the base.
-    pub joint: usize,
-    pub before_rad: f64,
-    pub after_rad: f64,
-    pub rounding_rad: f64,
-}
-
-/// What the answer rests on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum By {
-    /// Recorded torque.
-    #[default]
-    Torque,
-    /// Position servos: command and position.
-    Simulation,
-}
-
-impl By {
-    /// One line for people.
-    pub fn line(self) -> &'static str {
-        match self {
-            By::Torque => "method: by torque, inverse dynamics of the recorded motion",
-            By::Simulation => {
-                "method: by simulation, from the recorded command to the position (no torque is recorded; \
-                 --by says otherwise)"
-            }
-        }
-    }
 }
 
 impl Cause {

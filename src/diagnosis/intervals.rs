@@ -11,7 +11,7 @@ use super::discrepancy::MASSES;
 use super::fit::Fit;
 use super::independent::{LEVEL, independent};
 use super::{Value, windows};
-use crate::effects::{Parameter, Ratio, Role};
+use crate::effects::{Effect, Parameter, Ratio, Role};
 use crate::regression::{Normal, Raw, System};
 use crate::statistics::{normal_quantile, student_quantile};
 
@@ -86,11 +86,12 @@ fn ratios(
     candidate.effect.readable().iter().filter_map(ratio).collect()
 }
 
-/// Do the intervals of a cause hold its absence? All of its linear values may then be none at all; of a
-/// cause without linear values, its first.
-pub fn may_be_absent(candidate: Candidate, values: &[Value]) -> bool {
-    let own = candidate.parameters().filter(|(p, _)| !p.is_reference()).zip(values);
-    let all: Vec<(&Parameter, &Value)> = own.map(|((p, _), value)| (p, value)).collect();
+/// Do the intervals of an effect's values (changes, where the twin states them) hold its absence? All of its
+/// linear values may then be none at all; of an effect without linear values, its first.
+pub fn may_be_absent(effect: &dyn Effect, values: &[Value]) -> bool {
+    let of = |v: &'_ Value| effect.about().parameters.iter().find(|p| p.name == v.name);
+    let own = values.iter().filter_map(|v| Some((of(v)?, v)));
+    let all: Vec<(&Parameter, &Value)> = own.filter(|(p, _)| !p.is_reference()).collect();
     let holds = |(p, v): &(&Parameter, &Value)| v.low <= p.null && p.null <= v.high;
     let mut linear = all.iter().filter(|(p, _)| p.role == Role::Linear).peekable();
     match linear.peek() {
@@ -238,17 +239,20 @@ mod tests {
     /// An amplitude is there where its sine or its cosine is.
     #[test]
     fn a_cause_is_there_if_one_of_its_values_is() {
-        let ripple = Candidate::new(find("torque_ripple").unwrap(), Place::Joint(1));
-        let value = |[low, high]: [f64; 2]| {
-            let (name, unit) = (String::new(), String::new());
+        let ripple = find("torque_ripple").unwrap();
+        let value = |name: &str, [low, high]: [f64; 2]| {
+            let (name, unit) = (name.to_string(), String::new());
             Value { name, joint: None, unit, value: 0.5 * (low + high), low, high, at_bound: false }
         };
+        let order = value("ripple_order", [10.0, 12.0]);
         let absent = |sine, cosine| {
-            may_be_absent(ripple, &[value(sine), value(cosine), value([10.0, 12.0])])
+            let amplitude = [value("ripple_sine", sine), value("ripple_cosine", cosine)];
+            may_be_absent(ripple, &[&amplitude[..], std::slice::from_ref(&order)].concat())
         };
         assert!(absent([-0.1, 0.1], [-0.2, 0.3]));
         assert!(!absent([-0.1, 0.1], [0.2, 0.3]));
-        let delay = Candidate::new(find("time_delay").unwrap(), Place::Arm);
-        assert!(!may_be_absent(delay, &[value([1e-3, 2e-3])]));
+        let delay = find("time_delay").unwrap();
+        assert!(!may_be_absent(delay, &[value("time_delay", [1e-3, 2e-3])]));
+        assert!(may_be_absent(delay, &[value("time_delay", [0.0, 2e-3])]));
     }
 }

@@ -4,6 +4,7 @@ mod answer;
 mod bootstrap;
 mod bound;
 mod built;
+mod by;
 mod called;
 mod candidate;
 mod conditioning;
@@ -53,17 +54,18 @@ mod windows;
 pub mod words;
 
 pub use answer::{
-    By, Cause, Checked, Dependence, Diagnosis, Gap, JointGap, JointPositionShrink, JointShrink,
-    Named, Position, PositionShrink, Ranked, Regime, Rejected, Replaced, RoundEvidence, Scored,
-    Shrink, SimulationShrink, TorqueShrink, Unexplained, UnexplainedJoint, Untestable, Value,
-    Verdict,
+    Cause, Checked, Dependence, Diagnosis, Gap, JointGap, JointShrink, Named, Ranked, Regime,
+    Rejected, Replaced, RoundEvidence, Scored, Shrink, SimulationShrink, TorqueShrink, Unexplained,
+    UnexplainedJoint, Untestable, Value, Verdict,
 };
+pub use by::{By, JointPositionShrink, Position, PositionShrink};
 pub use conditioning::conditioning;
 pub use criteria::Criteria;
 pub use episodes::{Episode, Touch};
 pub use experiment::TWIN;
 pub use floor::{Floor, FloorFrom, noise_floor};
 pub use gap::gap;
+pub use intervals::may_be_absent;
 pub use locate::locate;
 pub use mend::mend;
 pub use reasons::by_reason;

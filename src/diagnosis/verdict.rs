@@ -20,7 +20,7 @@ use super::search::{Found, Round, Weighed, search};
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
-    Cause, Checked, Diagnosis, Floor, Rejected, RoundEvidence, Scored, Settings, Shrink, Value,
+    By, Cause, Checked, Diagnosis, Floor, Rejected, RoundEvidence, Scored, Settings, Shrink, Value,
     Verdict, experiment, gap, intervals, link_masses, links, slow, torque_shrink, words,
 };
 use crate::effects::Role;
@@ -87,7 +87,7 @@ impl<'a> Findings<'a> {
         Diagnosis {
             schema: SCHEMA.into(),
             armtwin: env!("CARGO_PKG_VERSION").into(),
-            by: crate::diagnosis::By::default(),
+            by: By::default(),
             position: None,
             verdict,
             fitted_before: fitted(&self.alone),
@@ -125,8 +125,8 @@ impl<'a> Findings<'a> {
         let values = slow::values(&self.last);
         // Slow torque may say that nothing is there.
         let inside = |i: &usize| values[*i].first().is_none_or(|v| !v.at_bound);
-        let absent =
-            |i: &usize| intervals::may_be_absent(self.last.model.causes[*i].candidate, &values[*i]);
+        let effect = |i: usize| self.last.model.causes[i].candidate.effect;
+        let absent = |i: &usize| intervals::may_be_absent(effect(*i), &values[*i]);
         let (unsure, sure): (Vec<usize>, Vec<usize>) =
             (0..self.standings.len()).filter(inside).partition(absent);
         [sure, unsure].map(|some| {

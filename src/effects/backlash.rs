@@ -87,6 +87,10 @@ impl Effect for Backlash {
         true
     }
 
+    fn gives_way(&self) -> bool {
+        true
+    }
+
     fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
         let axes = [
             ("backlash_stiffness", vec![1e4, 5e4]),

@@ -108,6 +108,10 @@ impl Effect for JointFlexibility {
         true
     }
 
+    fn gives_way(&self) -> bool {
+        true
+    }
+
     fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
         let axes = [
             ("joint_damping", vec![10.0, 60.0]),

@@ -334,6 +334,11 @@ pub trait Effect: Sync {
         false
     }
 
+    /// Does it put a spring or a gap between motor and link?
+    fn gives_way(&self) -> bool {
+        false
+    }
+
     /// Explain: do the columns change with what the arm carries?
     fn depends_on_load(&self) -> bool {
         self.about().scope != Scope::Joint

@@ -48,4 +48,6 @@ pub enum LiveError {
     Recording(#[from] RecordingError),
     #[error("{0}")]
     Follow(String),
+    #[error("{0}")]
+    Record(String),
 }

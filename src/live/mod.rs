@@ -5,6 +5,7 @@ mod arm;
 mod error;
 mod file;
 mod gaps;
+mod recorder;
 mod rtde;
 mod server;
 #[cfg(test)]
@@ -14,6 +15,7 @@ pub use arm::{Arm, ArmError};
 pub use error::LiveError;
 pub use file::{Pace, follow, replay};
 pub use gaps::{Gaps, Step};
+pub use recorder::{Recorded, Recorder};
 pub use rtde::{Reconnect, RtdeSource, WELCOME};
 pub use server::{Served, Server};
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::check::refuse_bad;
-use super::format::Format;
+use super::format::{Format, refuse_map};
 use super::whole::{ends_in, whole_text};
 use super::{Channel, ColumnMap, Provenance, Recording, RecordingError};
 use crate::limits::ROWS;
@@ -23,13 +23,10 @@ impl Format for BamJson {
     }
 
     fn read(&self, path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError> {
-        match map {
-            None => read(path),
-            Some(map) => Err(RecordingError::ColumnMap {
-                file: map.file.clone(),
-                what: format!("{} says itself what is in it; leave --columns out", path.display()),
-            }),
-        }
+        refuse_map(map, || {
+            format!("{} says itself what is in it; leave --columns out", path.display())
+        })?;
+        read(path)
     }
 }
 

@@ -39,3 +39,14 @@ pub struct WriteOptions {
     /// Comma if not given.
     pub delimiter: Option<Delimiter>,
 }
+
+/// Formats that say themselves what is in them take no column map.
+///
+/// # Errors
+/// If there is one; `why` it has no use, in words.
+pub fn refuse_map(map: Option<&ColumnMap>, why: impl Fn() -> String) -> Result<(), RecordingError> {
+    match map {
+        None => Ok(()),
+        Some(map) => Err(RecordingError::ColumnMap { file: map.file.clone(), what: why() }),
+    }
+}

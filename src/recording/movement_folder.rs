@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use super::check::{FEWEST_SAMPLES, refuse_bad};
-use super::format::Format;
+use super::format::{Format, refuse_map};
 use super::table::{self, Table};
 use super::text::{Delimiter, Layout, Text};
 use super::{Channel, ColumnMap, Provenance, Recording, RecordingError};
@@ -38,13 +38,8 @@ impl Format for MovementFolder {
     }
 
     fn read(&self, path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError> {
-        match map {
-            None => read(path),
-            Some(map) => Err(RecordingError::ColumnMap {
-                file: map.file.clone(),
-                what: format!("a column map is for a file, {} is a folder", path.display()),
-            }),
-        }
+        refuse_map(map, || format!("a column map is for a file, {} is a folder", path.display()))?;
+        read(path)
     }
 }
 

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use super::check::{FEWEST_SAMPLES, refuse_bad};
-use super::format::Format;
+use super::format::{Format, refuse_map};
 use super::whole::whole_text;
 use super::{Channel, ColumnMap, Provenance, Recording, RecordingError};
 use crate::limits::{COLUMNS, NUMBERS, ROWS, TooMuch};
@@ -32,13 +32,8 @@ impl Format for SageFolder {
     }
 
     fn read(&self, path: &Path, map: Option<&ColumnMap>) -> Result<Recording, RecordingError> {
-        match map {
-            None => read(path),
-            Some(map) => Err(RecordingError::ColumnMap {
-                file: map.file.clone(),
-                what: format!("a column map is for a file, {} is a folder", path.display()),
-            }),
-        }
+        refuse_map(map, || format!("a column map is for a file, {} is a folder", path.display()))?;
+        read(path)
     }
 }
 

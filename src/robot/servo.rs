@@ -10,7 +10,7 @@
 //! supply, and B does not.
 
 use super::RobotError;
-use crate::series::JointSeries;
+use crate::series::{JointSeries, at_place};
 
 /// No servo is stiffer or stronger, nor its inverse, N.m/rad and N.m.
 const LARGEST: f64 = 1e9;
@@ -105,16 +105,11 @@ impl Settings {
     }
 }
 
-/// A series `delay` seconds later, linear between its samples `dt` apart; the first value before it.
-pub fn delayed(series: &[f64], delay: f64, dt: f64) -> Vec<f64> {
+/// A command as it arrives, `delay` seconds late: linear between its samples, `dt` apart, and the first one
+/// before it.
+pub fn arrived(command: &[f64], delay: f64, dt: f64) -> Vec<f64> {
     let late = delay / dt;
-    let at = |k: usize| {
-        let place = (k as f64 - late).max(0.0);
-        let from = (place as usize).min(series.len() - 1);
-        let next = (from + 1).min(series.len() - 1);
-        series[from] + (place - from as f64) * (series[next] - series[from])
-    };
-    (0..series.len()).map(at).collect()
+    (0..command.len()).map(|k| at_place(command, k as f64 - late)).collect()
 }
 
 /// A servo of a kind, at one joint.
@@ -268,8 +263,8 @@ impl Servo {
     pub fn at(&self, told: &Told, q: &JointSeries) -> Told {
         let mut now = told.clone();
         for j in 0..q.joints() {
-            let arrived = delayed(told.command.joint(j), self.delay[j], told.dt);
-            for (k, c) in arrived.into_iter().enumerate() {
+            let late = arrived(told.command.joint(j), self.delay[j], told.dt);
+            for (k, c) in late.into_iter().enumerate() {
                 let error = c - q.joint(j)[k];
                 let [pull, slope] = self.pull(j, told.gain.joint(j)[k], error);
                 now.error.joint_mut(j)[k] = error + self.offset[j];

@@ -6,9 +6,10 @@
 //! far the twin is off, the second is small, so that its sensitivities are good. Values of what is found are then
 //! fitted by simulation, too.
 
-use super::judge::{ELASTIC, prove, refit};
+use super::judge::{prove, refit};
 use super::{ServoError, Settings, Track, free_parameters, identify, linearised};
 use crate::diagnosis::{self, Diagnosis, Traces, diagnose_traced, mend};
+use crate::effects::CATALOGUE;
 use crate::follow::Watch;
 use crate::series::JointSeries;
 use crate::signals::Samples;
@@ -63,6 +64,7 @@ fn following(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, ServoE
 /// What gives way between motor and link is not simulated here, and so cannot be proved.
 fn without_elastic(settings: &diagnosis::Settings) -> diagnosis::Settings {
     let mut settings = settings.clone();
-    settings.without.extend(ELASTIC.map(String::from));
+    let elastic = CATALOGUE.iter().filter(|e| e.gives_way());
+    settings.without.extend(elastic.map(|e| e.about().name.to_string()));
     settings
 }

@@ -6,6 +6,7 @@ use super::gap::PositionGap;
 use super::parameters::{Free, with_values};
 use super::problem::Problem;
 use super::{ServoError, Track, replay};
+use crate::effects::of_drive;
 use crate::follow::{Watch, go_on, stoppable};
 use crate::identification::levenberg_marquardt::{Residuals, Settings as Search, Stop, minimise};
 use crate::regression::bounds::Bounds;
@@ -204,11 +205,10 @@ fn gaps(
     tracks.iter().map(of).collect()
 }
 
-/// A fitted rotor goes to the drive, as in every twin that is written.
+/// What the drive has a place for goes there, as in every twin that is written.
 fn settled(mut twin: Twin) -> Twin {
-    if let Some(inertia) = twin.values.remove("rotor_inertia") {
-        twin.drive.rotor_inertia = inertia;
-        twin.effects.retain(|e| e != "rotor_inertia");
+    if of_drive().any(|(.., parameter)| twin.values.contains_key(parameter)) {
+        twin.settle_drive();
     }
     twin
 }

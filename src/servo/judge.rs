@@ -9,15 +9,13 @@ use super::{
     Estimate, Free, PositionGap, ServoError, Settings, Track, free_parameters, identify, replay,
 };
 use crate::diagnosis::{
-    By, Cause, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink,
+    By, Cause, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink, Value,
+    may_be_absent,
 };
-use crate::effects::{Role, Seen, find};
+use crate::effects::{Effect, Seen, find};
 use crate::follow::Watch;
 use crate::series::JointSeries;
 use crate::twin::Twin;
-
-/// Effects with a degree of freedom of their own.
-pub const ELASTIC: [&str; 2] = ["backlash", "joint_flexibility"];
 
 /// A twin with values fitted by simulation.
 pub struct Refitted {
@@ -80,7 +78,8 @@ pub fn prove(
     let all = diagnosis.causes.iter_mut().chain(&mut diagnosis.adjustments);
     all.for_each(|cause| keep_cause(cause, twin, &after.estimates));
     // What a simulation holds to be absent stays in the mended twin and is not named.
-    let (absent, named) = std::mem::take(&mut diagnosis.causes).into_iter().partition(is_absent);
+    let (absent, named) =
+        std::mem::take(&mut diagnosis.causes).into_iter().partition(|c| is_absent(c, twin));
     diagnosis.causes = named;
     diagnosis.adjustments.extend::<Vec<Cause>>(absent);
     let stretches = check.stretches(f64::INFINITY);
@@ -106,9 +105,8 @@ const LEVEL: f64 = 0.9;
 
 /// Does it change the simulated motion all the time, in a way that is simulated here?
 fn is_simulated(effect: &str) -> bool {
-    let known = find(effect);
-    !ELASTIC.contains(&effect)
-        && known.is_some_and(|e| e.seen() == Seen::Columns && !e.lasts_a_while())
+    let moves = |e: &dyn Effect| e.seen() == Seen::Columns && !e.lasts_a_while();
+    find(effect).is_some_and(|e| moves(e) && !e.gives_way())
 }
 
 /// What the twin leaves open takes the values that were fitted by simulation.
@@ -120,49 +118,56 @@ fn keep_open(kept: &mut BTreeMap<String, Vec<f64>>, twin: &Twin, fitted: &Twin) 
     }
 }
 
-/// A cause takes the values that were fitted by simulation, less what the twin has of it.
+/// A cause takes the values that were fitted by simulation: the twin's own, or what is added to them.
 fn keep_cause(cause: &mut Cause, twin: &Twin, estimates: &[Estimate]) {
-    let joints = cause.joints.clone();
+    let replaces = cause.replaces.is_some();
+    let first = cause.joints.first().copied();
     for value in &mut cause.parameters {
-        let joint = value.joint.or(joints.first().copied());
+        let joint = value.joint.or(first);
         let own = |e: &&Estimate| e.name == value.name && (e.joint.is_none() || e.joint == joint);
         let Some(found) = estimates.iter().find(own) else { continue };
-        let less = match cause.replaces {
-            Some(_) => 0.0,
-            None => stated(twin, found.name, found.joint.unwrap_or(1) - 1),
-        };
-        (value.value, value.low, value.high) =
-            (found.value - less, found.low - less, found.high - less);
+        (value.value, value.low, value.high) = (found.value, found.low, found.high);
         value.at_bound = found.at_bound;
+        if !replaces {
+            shift(value, -stated(twin, &cause.effect, found.name, found.joint));
+        }
     }
 }
 
-/// Do the intervals of all values by which a cause is what it is hold that it is not there?
-fn is_absent(cause: &Cause) -> bool {
-    let effect = find(&cause.effect);
-    let counts = |name: &str| {
-        let own = effect.and_then(|e| e.about().parameters.iter().find(|p| p.name == name));
-        own.is_some_and(|p| p.role == Role::Linear)
-    };
-    let mut values = cause.parameters.iter().filter(|v| counts(&v.name)).peekable();
-    values.peek().is_some() && values.all(|v| v.low <= 0.0 && v.high >= 0.0)
+/// Does it hold that nothing changes?
+fn is_absent(cause: &Cause, twin: &Twin) -> bool {
+    let Some(effect) = find(&cause.effect) else { return false };
+    let first = cause.joints.first().copied();
+    let mut changes = cause.parameters.clone();
+    for value in changes.iter_mut().filter(|_| cause.replaces.is_some()) {
+        let joint = value.joint.or(first);
+        shift(value, -stated(twin, &cause.effect, &value.name, joint));
+    }
+    may_be_absent(effect, &changes)
 }
 
-/// What a twin has of a parameter that is added to; zero where it has nothing of it.
-fn stated(twin: &Twin, name: &str, joint: usize) -> f64 {
-    let of_drive = if name == "rotor_inertia" { twin.drive.rotor_inertia[joint] } else { 0.0 };
-    twin.values.get(name).and_then(|v| v.get(joint)).copied().unwrap_or(of_drive)
+fn shift(value: &mut Value, by: f64) {
+    value.value += by;
+    value.low += by;
+    value.high += by;
+}
+
+/// What a twin has of a parameter that is added to, at a joint (from 1); zero where it has nothing of it.
+fn stated(twin: &Twin, effect: &str, parameter: &str, joint: Option<usize>) -> f64 {
+    let j = joint.map_or(0, |joint| joint - 1);
+    let listed = twin.values.get(parameter).and_then(|v| v.get(j)).copied();
+    listed.unwrap_or_else(|| find(effect).map_or(0.0, |e| e.in_drive(&twin.drive, j)))
 }
 
 /// The mended twin with the values of one cause as `twin` has them, all others as they are.
 fn taken_out(mended: &Twin, twin: &Twin, cause: &Cause) -> Twin {
     let mut without = mended.clone();
     let acts = |joint: usize| cause.joints.is_empty() || cause.joints.contains(&(joint + 1));
-    if cause.effect == "rotor_inertia" {
-        let joints = (0..twin.robot.dof()).filter(|j| acts(*j));
-        joints.for_each(|j| without.drive.rotor_inertia[j] = twin.drive.rotor_inertia[j]);
-    }
     let Some(effect) = find(&cause.effect) else { return without };
+    if let Some(part) = effect.stands_for() {
+        let joints = (0..twin.robot.dof()).filter(|j| acts(*j));
+        joints.for_each(|j| without.drive.part_mut(part)[j] = twin.drive.part(part)[j]);
+    }
     for p in effect.about().parameters.iter().filter(|p| p.null.is_finite()) {
         let Some(values) = without.values.get_mut(p.name) else { continue };
         for (j, value) in values.iter_mut().enumerate().filter(|(j, _)| acts(*j)) {

@@ -2,6 +2,7 @@
 
 use super::ServoError;
 use crate::effects::{Effect, Parameter, Role, Scope, complete, find};
+use crate::robot::DrivePart;
 use crate::twin::Twin;
 
 /// A parameter that is fitted.
@@ -20,8 +21,9 @@ pub struct Free {
 const LOOP_HZ: f64 = 10.0;
 /// No rotor is lighter, kg.m2 at the joint; a joint without inertia cannot be stepped.
 const LIGHTEST: f64 = 1e-6;
-/// No servo keeps less of its assumed gain.
+/// No servo keeps less of its assumed gain, and ten times more is a slip of units.
 const LEAST_GAIN: f64 = -0.95;
+const MOST_GAIN: f64 = 10.0;
 
 /// Parameters of these effects at all joints, references and exponents left as they are; the search begins
 /// at what the twin says, else where the effect vanishes.
@@ -35,7 +37,7 @@ pub fn free_parameters(twin: &Twin, effects: &[String]) -> Result<Vec<Free>, Ser
             |problem: &str| ServoError::Term { name: name.clone(), problem: problem.into() };
         let effect = find(name).ok_or_else(|| wrong("no such effect; see armtwin effects"))?;
         let about = effect.about();
-        if ["backlash", "joint_flexibility"].contains(&about.name) {
+        if effect.gives_way() {
             return Err(ServoError::Elastic { effect: name.clone() });
         }
         let joints: Vec<Option<usize>> = match about.scope {
@@ -46,8 +48,8 @@ pub fn free_parameters(twin: &Twin, effects: &[String]) -> Result<Vec<Free>, Ser
             |p: &&Parameter| !p.is_reference() && !p.is_detail() && !p.name.ends_with("_exponent");
         for joint in joints {
             for parameter in about.parameters.iter().filter(searched) {
-                let start = start(twin, parameter, joint.unwrap_or(0));
-                let (min, max) = bounds(parameter);
+                let start = start(twin, effect, parameter, joint.unwrap_or(0));
+                let (min, max) = bounds(effect, parameter);
                 all.push(Free { effect, parameter, joint, start: start.clamp(min, max), min, max });
             }
         }
@@ -55,20 +57,20 @@ pub fn free_parameters(twin: &Twin, effects: &[String]) -> Result<Vec<Free>, Ser
     Ok(all)
 }
 
-fn bounds(p: &Parameter) -> (f64, f64) {
-    match p.name {
-        "rotor_inertia" => (LIGHTEST, p.max),
-        "servo_gain_error" => (LEAST_GAIN, 10.0),
+fn bounds(effect: &dyn Effect, p: &Parameter) -> (f64, f64) {
+    match (effect.stands_for(), p.name) {
+        (Some(DrivePart::RotorInertia), _) => (LIGHTEST, p.max),
+        (_, "servo_gain_error") => (LEAST_GAIN, MOST_GAIN),
         _ => (p.min, p.max),
     }
 }
 
-fn start(twin: &Twin, p: &Parameter, joint: usize) -> f64 {
+fn start(twin: &Twin, effect: &dyn Effect, p: &Parameter, joint: usize) -> f64 {
     if let Some(given) = twin.values.get(p.name).and_then(|v| v.get(joint)) {
         return *given;
     }
-    if p.name == "rotor_inertia" {
-        let known = twin.drive.rotor_inertia[joint];
+    if let Some(DrivePart::RotorInertia) = effect.stands_for() {
+        let known = effect.in_drive(&twin.drive, joint);
         let gain = twin.drive.servo.as_ref().map_or(0.0, |s| s.gain[joint]);
         let guess = gain / (std::f64::consts::TAU * LOOP_HZ).powi(2);
         return if known > 0.0 { known } else { guess };

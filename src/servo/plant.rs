@@ -206,7 +206,6 @@ fn elastic(twin: &Twin, mechanism: &Mechanism) -> Option<String> {
     if mechanism.transmission.iter().all(Option::is_none) {
         return None;
     }
-    let bends = |name: &&str| twin.effects.iter().any(|e| e == *name);
-    let name = ["backlash", "joint_flexibility"].into_iter().find(bends);
+    let name = twin.catalogued().find(|e| e.gives_way()).map(|e| e.about().name);
     Some(name.unwrap_or("an elastic transmission").into())
 }

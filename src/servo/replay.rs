@@ -5,11 +5,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::{Plant, ServoError, Track};
-use crate::series::JointSeries;
+use crate::series::{JointSeries, at_place};
+use crate::signals::LONGEST_STEP_S;
 use crate::twin::Twin;
-
-/// Longest step, s: a tenth of the time constants of small servos.
-const LONGEST_STEP_S: f64 = 0.002;
 
 /// Positions of the twin along a track, rad as the encoders show them, where it begins each of the
 /// `stretches` in the measured state; what is recorded elsewhere.
@@ -68,7 +66,7 @@ pub(super) fn lead(
         for step in 0..steps as usize {
             let now = k as f64 + step as f64 / steps;
             for (j, command) in command.iter_mut().enumerate() {
-                *command = between(track.command.joint(j), now - late[j]);
+                *command = at_place(track.command.joint(j), now - late[j]);
             }
             plant.step(h, &command, &gain);
         }
@@ -76,12 +74,4 @@ pub(super) fn lead(
         see(plant);
     }
     Ok(())
-}
-
-/// A series at a place between its samples, on a straight line.
-fn between(series: &[f64], place: f64) -> f64 {
-    let place = place.clamp(0.0, (series.len() - 1) as f64);
-    let from = place as usize;
-    let next = (from + 1).min(series.len() - 1);
-    series[from] + (place - from as f64) * (series[next] - series[from])
 }

@@ -144,7 +144,8 @@ impl Twin {
         self.effects.iter().any(|name| name == effect.about().name) && self.knows(effect)
     }
 
-    fn catalogued(&self) -> impl Iterator<Item = &'static dyn Effect> {
+    /// Effects that the twin holds, as the catalogue has them.
+    pub fn catalogued(&self) -> impl Iterator<Item = &'static dyn Effect> {
         self.effects.iter().filter_map(|name| find(name))
     }
 

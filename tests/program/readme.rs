@@ -45,6 +45,14 @@ fn readme_commands_do_what_they_say() {
 }
 
 #[test]
+fn the_readme_counts_all_effects() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = fs::read_to_string(root.join("README.md")).unwrap();
+    let known = format!("{} are known", armtwin::effects::CATALOGUE.len());
+    assert!(readme.contains(&known), "{known}");
+}
+
+#[test]
 fn every_command_has_an_example_that_runs() {
     let folder = run("docs/commands.md", 15);
     for file in
