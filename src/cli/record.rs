@@ -68,7 +68,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         listen_to_lines()?;
     }
     let source = &args.source;
-    let mut recorder = Recorder::begin(&args.out, &source.name(), source.rate, &names)?;
+    let mut recorder = Recorder::begin(&args.out, source.name(), source.rate, &names)?;
     let ended = take_all(&mut recorder, &feed, args.seconds, &stop);
     let done = Done::new(recorder.end()?, feed.lost());
     done.print(&args.source);
