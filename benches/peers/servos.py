@@ -156,15 +156,30 @@ max_torque = 3.35
 [twin]
 effects = ["coulomb", "viscous"]
 """
-PAIRS = [('multisine', 'chirp_sweep'), ('chirp_sweep', 'multisine')]
+PAIRS = [('multisine', 'chirp_sweep'), ('chirp_sweep', 'multisine'), ('random_waypoints', 'multisine'),
+         ('multisine', 'random_waypoints'), ('prbs_excitation', 'chirp_sweep'), ('chirp_sweep', 'inertia_coupling'),
+         ('friction_gravity', 'random_waypoints'), ('inertia_coupling', 'friction_gravity'),
+         ('slow_precision', 'multisine'), ('pick_place', 'chirp_sweep')]
+# Of the pairs, those that should name the same leading cause.
+AGREE = 0.9
 
 
 NOT_MEASURED = """## Not measured, and not met
 
-* More pairs of the SO-101, its play, and what clock jitter makes of all this are not measured.
+* The play of the SO-101, and what clock jitter makes of all this are not measured.
 * One log, up_and_down at register 800, in which the servo stalls at full duty, was known to be missed by every model
   with friction of the load alone before `servo_friction` was written; it is one of the ten that are not fitted.
-* Blind trials of arms that record position only, and speed beside mujoco-sysid."""
+* Speed beside mujoco-sysid. Blind trials are in [servo-trials.md](servo-trials.md)."""
+
+
+def leading(arguments):
+    """The name that leads most answers, or is equal to what leads, and how many."""
+    counts = {}
+    for fit, check in PAIRS:
+        causes = json.loads((arguments.work / f'{fit}_{check}.json').read_text())['causes']
+        for name in {e['effect'] for c in causes[:1] for e in [c, *c['equivalent']]}:
+            counts[name] = counts.get(name, 0) + 1
+    return max(counts.items(), key=lambda item: item[1], default=(None, 0))
 
 
 def six_servos(arguments):
@@ -185,14 +200,14 @@ def six_servos(arguments):
                      '; '.join(causes) or 'none', f'{found["seconds"]:.0f}'])
         joints.append([f'{fit}, {check}', *(f'{mrad(j["before_rad"])}, {mrad(j["after_rad"])}'
                                             for j in position['joints'])])
-    alike = len({tuple(sorted(c['effect'] for c in json.loads((arguments.work / f'{f}_{c}.json').read_text())['causes']))
-                 for f, c in PAIRS}) == 1
+    name, count = leading(arguments)
     rounding = [mrad(j['rounding_rad']) for j in position['joints']]
     return '\n'.join([
         "Six STS3215 (isaac-sim2real/sage, 50 Hz). The twin is the makers' URDF and MuJoCo values, Coulomb and viscous "
         'friction open; 30 s of one motion are searched, 30 s of another decide, along which the twin is then led '
         'from the first sample to the last. Before: friction fitted, nothing added.', '',
-        f'Both should name the same effects: {"met" if alike else "**not met**"}.', '',
+        f'The same leading cause, or its equal, should be named in {100 * AGREE:.0f} % of the pairs: '
+        f'{"met" if count >= AGREE * len(PAIRS) else "**not met**"}, {name or "none"} in {count} of {len(PAIRS)}.', '',
         table(['searched', 'decided on', 'before, mrad', 'after', 'causes', 's'], rows), '',
         'Joint by joint, root mean square before and after, mrad:', '',
         table(['', '1', '2', '3', '4', '5', '6'], joints + [['rounding to steps', *rounding]])])

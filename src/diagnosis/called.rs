@@ -17,17 +17,42 @@ pub struct Called<'a> {
     pub unconfirmed: Vec<Candidate>,
 }
 
-/// Causes that are more probable than not, gain on the check recording, and sit at no bound: what does not is
-/// left out, the weakest first, and the others are seen again
-/// without it. `blind` is what a search of the fit recording alone finds: where the law is not exact, the
-/// check recording confirms only what it had no part in choosing.
+/// What stands of the search of both recordings. Where two models of the gap are about as good the search of the fit
+/// recording alone (`blind`) may have chosen another one, which leaves causes of the first unconfirmed: then what stands
+/// of either, whichever explains both recordings better.
 pub fn called<'a>(
     search: &Hypotheses<'a>,
     judge: &Judge<'_>,
     found: &Found<'a>,
+    blind: &Found<'_>,
+) -> Called<'a> {
+    let confirming: Vec<Candidate> = blind.last.model.causes.iter().map(|t| t.candidate).collect();
+    let own = standing(search, judge, found.last.clone(), &confirming);
+    if own.unconfirmed.is_empty() {
+        return own;
+    }
+    let other = standing(search, judge, again(search, blind), &confirming);
+    match search.worth(&other.fit) > search.worth(&own.fit) {
+        true => Called { unconfirmed: own.unconfirmed, ..other },
+        false => own,
+    }
+}
+
+/// The model of another search with values of the recordings of this one.
+fn again<'a>(search: &Hypotheses<'a>, other: &Found<'_>) -> Fit<'a> {
+    let joints: Vec<usize> = (0..search.data.joints()).collect();
+    search.tuned(Fit::plain(search.data, other.last.model.clone()), &joints)
+}
+
+/// Causes that are more probable than not, gain on the check recording, and sit at no bound: what does not is
+/// left out, the weakest first, and the others are seen again without it. Where the law is not exact, `blind` has
+/// to hold the cause too.
+fn standing<'a>(
+    search: &Hypotheses<'a>,
+    judge: &Judge<'_>,
+    mut fit: Fit<'a>,
     blind: &[Candidate],
 ) -> Called<'a> {
-    let mut fit = found.last.clone();
     let (mut rejected, mut unconfirmed) = (Vec::new(), Vec::new());
     loop {
         // What costs least to see comes first.

@@ -107,6 +107,11 @@ impl<'a> Hypotheses<'a> {
         (0..self.data.joints()).filter(|j| acts_on(candidate, *j)).collect()
     }
 
+    /// Evidence of a model, each of its causes one among so many, nats.
+    pub fn worth(&self, fit: &Fit<'_>) -> f64 {
+        fit.ln_evidence() - fit.model.causes.len() as f64 * self.ln_rivals()
+    }
+
     /// What a candidate starts with against it: one among so many.
     pub fn ln_rivals(&self) -> f64 {
         (self.candidates.len().max(1) as f64).ln()

@@ -36,7 +36,7 @@ pub fn with_links<'a>(all: &Hypotheses<'a>, found: &Found<'a>) -> Option<Found<'
     }
     let group = best.candidate();
     let fit = settled(all, best.fit.clone(), group);
-    let better = worth(all, &fit) - worth(all, &found.last) > all.criteria.least_nats;
+    let better = all.worth(&fit) - all.worth(&found.last) > all.criteria.least_nats;
     let mut more =
         (better && fit.model.has(group)).then(|| grown(all, found.start.clone(), fit))?;
     more.rounds.splice(..0, found.rounds.iter().cloned());
@@ -55,11 +55,6 @@ fn settled<'a>(all: &Hypotheses<'a>, mut fit: Fit<'a>, group: Candidate) -> Fit<
             return fit;
         }
     }
-}
-
-/// Evidence of a model, each of its causes one among so many, nats.
-fn worth(all: &Hypotheses<'_>, fit: &Fit<'_>) -> f64 {
-    fit.ln_evidence() - fit.model.causes.len() as f64 * all.ln_rivals()
 }
 
 /// Are all links among the causes of a fit?

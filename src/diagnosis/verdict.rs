@@ -46,7 +46,7 @@ impl<'a> Findings<'a> {
             rayon::join(|| links::with_links(blind, &alone), || links::with_links(both, &found));
         let seen = |(alone, found): (Found<'a>, Found<'a>)| {
             let held = HeldOut::new(&alone.last, check);
-            let called = called(both, &judge, &found, &held.causes);
+            let called = called(both, &judge, &found, &alone);
             (found, held, called)
         };
         // Links that do not stand on the check recording must not have driven out what would.

@@ -6,8 +6,10 @@
 //! far the twin is off, the second is small, so that its sensitivities are good. Values of what is found are then
 //! fitted by simulation, too.
 
-use super::judge::{prove, refit};
-use super::{ServoError, Settings, Track, free_parameters, identify, linearised};
+use std::collections::BTreeMap;
+
+use super::judge::{is_simulated, prove, refit};
+use super::{Free, ServoError, Settings, Track, free_parameters, identify, linearised};
 use crate::diagnosis::{self, Diagnosis, Traces, diagnose_traced, mend};
 use crate::effects::CATALOGUE;
 use crate::follow::Watch;
@@ -46,10 +48,10 @@ pub fn diagnose(
     let horizon_s = Settings::default().horizon_s;
     let [seen_fit, seen_check] = [fit, check].map(|s| linearised(&near, s, horizon_s));
     let (mut diagnosis, traces) =
-        diagnose_traced(twin, &seen_fit?, &seen_check?, &without_elastic(settings), watch)?;
+        diagnose_traced(twin, &seen_fit?, &seen_check?, &with_what_is_simulated(settings), watch)?;
     watch.tell("fitting causes by simulation", 0, 0);
     let changes = diagnosis.changes();
-    let mended = mend(twin, &diagnosis.fitted, &changes);
+    let mended = mend(twin, &open_values(twin, &before.twin), &changes);
     let after = refit(&mended, twin, &changes, &fit_track, watch)?;
     let simulated = prove(&mut diagnosis, twin, [before, after], &check_track)?;
     Ok(Found { diagnosis, traces, simulated })
@@ -58,13 +60,21 @@ pub fn diagnose(
 /// The twin with values by which it follows the recording, whatever they stand for.
 fn following(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, ServoError> {
     let free = free_parameters(twin, &FOLLOWING.map(String::from))?;
+    let free: Vec<Free> = free.into_iter().map(|f| f.near_start(&twin.robot)).collect();
     Ok(identify(twin, &[fit], &free, &Settings::default(), watch)?.twin)
 }
 
-/// What gives way between motor and link is not simulated here, and so cannot be proved.
-fn without_elastic(settings: &diagnosis::Settings) -> diagnosis::Settings {
+/// Values of `fitted` for what `twin` leaves open.
+fn open_values(twin: &Twin, fitted: &Twin) -> BTreeMap<String, Vec<f64>> {
+    let open = twin.open().flat_map(|e| e.about().parameters).map(|p| p.name);
+    open.filter_map(|name| Some((name.into(), fitted.values.get(name)?.clone()))).collect()
+}
+
+/// What is not simulated here (what gives way between motor and link, a contact that lasts a while) cannot be
+/// proved.
+fn with_what_is_simulated(settings: &diagnosis::Settings) -> diagnosis::Settings {
     let mut settings = settings.clone();
-    let elastic = CATALOGUE.iter().filter(|e| e.gives_way());
-    settings.without.extend(elastic.map(|e| e.about().name.to_string()));
+    let others = CATALOGUE.iter().filter(|e| !is_simulated(**e));
+    settings.without.extend(others.map(|e| e.about().name.to_string()));
     settings
 }

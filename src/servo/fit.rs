@@ -94,7 +94,10 @@ pub fn identify(
     }
     let x: Vec<f64> = free.iter().map(|f| f.start).collect();
     let before = gaps(&with_values(twin, free, &x), tracks, settings)?;
-    let (problem, x, evaluations, stop) = stoppable(watch, || search(problem, x, settings, watch))?;
+    let (mut problem, x, evaluations, stop) =
+        stoppable(watch, || search(problem, x, settings, watch))?;
+    // What the recordings say, whatever was expected.
+    problem.with_priors = false;
     let estimates = estimates(&problem, &x, settings)?;
     let fitted = with_values(twin, free, &x);
     let after = gaps(&fitted, tracks, settings)?;

@@ -12,7 +12,7 @@ use crate::diagnosis::{
     By, Cause, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink, Value,
     may_be_absent,
 };
-use crate::effects::{Effect, Seen, find};
+use crate::effects::{Effect, Seen, Size, find};
 use crate::follow::Watch;
 use crate::series::JointSeries;
 use crate::twin::Twin;
@@ -47,7 +47,7 @@ pub fn refit(
 fn free(start: &Twin, twin: &Twin, causes: &[Cause]) -> Result<Vec<Free>, ServoError> {
     let open: Vec<String> = twin.open().map(|e| e.about().name.to_string()).collect();
     let mut free = free_parameters(start, &open)?;
-    for cause in causes.iter().filter(|c| is_simulated(&c.effect)) {
+    for cause in causes.iter().filter(|c| find(&c.effect).is_some_and(is_simulated)) {
         let own = free_parameters(start, std::slice::from_ref(&cause.effect))?;
         let acts = |joint: usize| cause.joints.is_empty() || cause.joints.contains(&(joint + 1));
         let there = |f: &Free| {
@@ -56,7 +56,7 @@ fn free(start: &Twin, twin: &Twin, causes: &[Cause]) -> Result<Vec<Free>, ServoE
         };
         let own: Vec<Free> =
             own.into_iter().filter(|f| f.joint.is_none_or(acts) && !there(f)).collect();
-        free.extend(own);
+        free.extend(own.into_iter().map(|f| f.near_start(&start.robot)));
     }
     Ok(free)
 }
@@ -104,9 +104,8 @@ pub fn prove(
 const LEVEL: f64 = 0.9;
 
 /// Does it change the simulated motion all the time, in a way that is simulated here?
-fn is_simulated(effect: &str) -> bool {
-    let moves = |e: &dyn Effect| e.seen() == Seen::Columns && !e.lasts_a_while();
-    find(effect).is_some_and(|e| moves(e) && !e.gives_way())
+pub fn is_simulated(effect: &dyn Effect) -> bool {
+    effect.seen() == Seen::Columns && !effect.lasts_a_while() && !effect.gives_way()
 }
 
 /// What the twin leaves open takes the values that were fitted by simulation.
@@ -126,12 +125,23 @@ fn keep_cause(cause: &mut Cause, twin: &Twin, estimates: &[Estimate]) {
         let joint = value.joint.or(first);
         let own = |e: &&Estimate| e.name == value.name && (e.joint.is_none() || e.joint == joint);
         let Some(found) = estimates.iter().find(own) else { continue };
-        (value.value, value.low, value.high) = (found.value, found.low, found.high);
+        (value.value, [value.low, value.high]) = (found.value, within_range(found, twin));
         value.at_bound = found.at_bound;
         if !replaces {
             shift(value, -stated(twin, &cause.effect, found.name, found.joint));
         }
     }
+}
+
+/// The interval of a value; what the recording does not tell may be anything in its range.
+fn within_range(found: &Estimate, twin: &Twin) -> [f64; 2] {
+    let about = find(found.effect).map(|e| e.about());
+    let own = about.and_then(|a| a.parameters.iter().find(|p| p.name == found.name));
+    let Some(range) = own.map(|p| p.on(&Size::of(&twin.robot))) else {
+        return [found.low, found.high];
+    };
+    let told = found.low.is_finite() && found.high.is_finite();
+    if told { [found.low, found.high] } else { [range.min, range.max] }
 }
 
 /// Does it hold that nothing changes?

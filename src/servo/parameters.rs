@@ -1,8 +1,8 @@
 //! What of a twin is fitted: parameters of the catalogue's effects, joint by joint.
 
 use super::ServoError;
-use crate::effects::{Effect, Parameter, Role, Scope, complete, find};
-use crate::robot::DrivePart;
+use crate::effects::{Effect, Parameter, Role, Scope, Size, complete, find};
+use crate::robot::{DrivePart, Robot};
 use crate::twin::Twin;
 
 /// A parameter that is fitted.
@@ -15,6 +15,32 @@ pub struct Free {
     pub start: f64,
     pub min: f64,
     pub max: f64,
+    /// How far from `start` it is expected to be, a standard deviation; infinite where nothing is expected.
+    pub spread: f64,
+}
+
+impl Free {
+    /// The same where its effect is expected to be as large as such effects are, or as large as it is: what
+    /// a recording does not tell stays where it was.
+    pub fn near_start(self, robot: &Robot) -> Self {
+        let place =
+            self.effect.about().parameters.iter().position(|p| p.name == self.parameter.name);
+        let expected = self.effect.expected(robot, self.joint.unwrap_or(0));
+        let expected = place.and_then(|i| expected.get(i).copied()).filter(|s| s.is_finite());
+        let usual = match self.start.abs() {
+            0.0 => self.usual(),
+            start => start,
+        };
+        Self { spread: expected.unwrap_or(usual), ..self }
+    }
+
+    /// Its usual size; what is usually none may still be something, for its range is not empty.
+    pub fn usual(&self) -> f64 {
+        match self.parameter.typical.abs() {
+            0.0 => self.max - self.min,
+            typical => typical,
+        }
+    }
 }
 
 /// A servo's loop swings so fast, Hz: the inertia a search begins with follows from that and its gain.
@@ -24,6 +50,10 @@ const LIGHTEST: f64 = 1e-6;
 /// No servo keeps less of its assumed gain, and ten times more is a slip of units.
 const LEAST_GAIN: f64 = -0.95;
 const MOST_GAIN: f64 = 10.0;
+/// What others are read as a share of is never nothing, nor does a search begin there: a load without mass has no
+/// centre. Shares of the end of its range.
+const LEAST_SHARE: f64 = 1e-4;
+const FIRST_SHARE: f64 = 1e-2;
 
 /// Parameters of these effects at all joints, references and exponents left as they are; the search begins
 /// at what the twin says, else where the effect vanishes.
@@ -31,7 +61,7 @@ const MOST_GAIN: f64 = 10.0;
 /// # Errors
 /// If there is no such effect, or it cannot be fitted this way.
 pub fn free_parameters(twin: &Twin, effects: &[String]) -> Result<Vec<Free>, ServoError> {
-    let mut all = Vec::new();
+    let (mut all, size) = (Vec::new(), Size::of(&twin.robot));
     for name in effects {
         let wrong =
             |problem: &str| ServoError::Term { name: name.clone(), problem: problem.into() };
@@ -48,9 +78,12 @@ pub fn free_parameters(twin: &Twin, effects: &[String]) -> Result<Vec<Free>, Ser
             |p: &&Parameter| !p.is_reference() && !p.is_detail() && !p.name.ends_with("_exponent");
         for joint in joints {
             for parameter in about.parameters.iter().filter(searched) {
-                let start = start(twin, effect, parameter, joint.unwrap_or(0));
-                let (min, max) = bounds(effect, parameter);
-                all.push(Free { effect, parameter, joint, start: start.clamp(min, max), min, max });
+                // Bodies grow with the arm; any servo may sit at a joint.
+                let own = if joint.is_none() { parameter.on(&size) } else { *parameter };
+                let start = start(twin, effect, &own, joint.unwrap_or(0));
+                let (min, max) = bounds(effect, &own);
+                let (start, spread) = (start.clamp(min, max), f64::INFINITY);
+                all.push(Free { effect, parameter, joint, start, min, max, spread });
             }
         }
     }
@@ -61,8 +94,14 @@ fn bounds(effect: &dyn Effect, p: &Parameter) -> (f64, f64) {
     match (effect.stands_for(), p.name) {
         (Some(DrivePart::RotorInertia), _) => (LIGHTEST, p.max),
         (_, "servo_gain_error") => (LEAST_GAIN, MOST_GAIN),
+        _ if carries_others(effect, p) => (LEAST_SHARE * p.max, p.max),
         _ => (p.min, p.max),
     }
+}
+
+/// Are other parameters of the effect read as a share of this one?
+fn carries_others(effect: &dyn Effect, p: &Parameter) -> bool {
+    effect.readable().iter().any(|ratio| ratio.over == p.name) && p.min == 0.0
 }
 
 fn start(twin: &Twin, effect: &dyn Effect, p: &Parameter, joint: usize) -> f64 {
@@ -75,7 +114,11 @@ fn start(twin: &Twin, effect: &dyn Effect, p: &Parameter, joint: usize) -> f64 {
         let guess = gain / (std::f64::consts::TAU * LOOP_HZ).powi(2);
         return if known > 0.0 { known } else { guess };
     }
-    if p.role == Role::Linear && p.null.is_finite() { p.null } else { p.typical }
+    match p.role {
+        _ if carries_others(effect, p) => FIRST_SHARE * p.max,
+        Role::Linear if p.null.is_finite() => p.null,
+        _ => p.typical,
+    }
 }
 
 /// `twin` with these values.
@@ -93,8 +136,22 @@ pub fn with_values(twin: &Twin, free: &[Free], x: &[f64]) -> Twin {
             twin.effects.push(about.name.into());
         }
     }
+    keep_near(&mut twin, free);
     complete_references(&mut twin, free);
     twin
+}
+
+/// No load's centre is further from the flange than the arm reaches: between two steps of a search its mass may be
+/// next to nothing, and its first moments not yet.
+fn keep_near(twin: &mut Twin, free: &[Free]) {
+    let reach = twin.robot.reach();
+    for ratio in
+        free.iter().flat_map(|f| f.effect.readable().iter().filter(|r| r.of == f.parameter.name))
+    {
+        let Some(over) = twin.values.get(ratio.over).cloned() else { continue };
+        let of = twin.values.get_mut(ratio.of).into_iter().flatten();
+        of.zip(over).for_each(|(of, over)| *of = of.clamp(-reach * over, reach * over));
+    }
 }
 
 /// References follow from what was fitted.

@@ -35,6 +35,8 @@ pub struct Problem<'a> {
     pub weights: Vec<f64>,
     /// Columns by sensitivity equations, not by differences.
     pub by_sensitivity: bool,
+    /// A row for each parameter, how far it is from where it is expected (most likely values a posteriori).
+    pub with_priors: bool,
 }
 
 impl<'a> Problem<'a> {
@@ -45,7 +47,7 @@ impl<'a> Problem<'a> {
         };
         let stretches = tracks.iter().enumerate().flat_map(of).collect();
         let weights = vec![1.0; twin.robot.dof()];
-        Self { twin, tracks, free, stretches, weights, by_sensitivity: false }
+        Self { twin, tracks, free, stretches, weights, by_sensitivity: false, with_priors: true }
     }
 
     /// Samples of a joint.
@@ -113,6 +115,11 @@ impl<'a> Problem<'a> {
         (0..dof).flat_map(of).collect()
     }
 
+    /// Rows for what is expected of the parameters.
+    fn priors(&self) -> usize {
+        if self.with_priors { self.free.len() } else { 0 }
+    }
+
     fn weighted(&self, mut errors: Vec<f64>) -> Vec<f64> {
         let rows = self.samples();
         for (j, weight) in self.weights.iter().enumerate() {
@@ -124,22 +131,31 @@ impl<'a> Problem<'a> {
 
 impl Residuals for Problem<'_> {
     fn count(&self) -> usize {
-        self.samples() * self.weights.len()
+        self.samples() * self.weights.len() + self.priors()
     }
 
     fn residuals(&self, x: &[f64], out: &mut [f64]) {
-        out.copy_from_slice(&self.weighted(self.errors(x)));
+        let (errors, expected) = out.split_at_mut(self.samples() * self.weights.len());
+        errors.copy_from_slice(&self.weighted(self.errors(x)));
+        let off = self.free.iter().zip(x).map(|(f, x)| (x - f.start) / f.spread);
+        expected.iter_mut().zip(off).for_each(|(row, off)| *row = off);
     }
 
     fn jacobian(&self, x: &[f64], r: &[f64], bounds: &Bounds) -> Vec<Vec<f64>> {
         let step = |i: usize| {
-            let usual = self.free[i].parameter.typical.abs().min(1.0);
+            let free = &self.free[i];
+            let usual = free.usual().min(1.0);
             let size = RELATIVE_STEP * x[i].abs().max(SMALL * usual);
             if x[i] + size > bounds.upper(i) { -size } else { size }
         };
         let steps: Vec<f64> = (0..x.len()).map(step).collect();
         let columns = self.by_sensitivity.then(|| self.sensitivities(x, &steps).ok()).flatten();
-        columns.unwrap_or_else(|| self.differences(x, r, &steps))
+        let mut columns = columns.unwrap_or_else(|| self.differences(x, r, &steps));
+        for (i, column) in columns.iter_mut().enumerate() {
+            let expected = |k: usize| if k == i { 1.0 / self.free[k].spread } else { 0.0 };
+            column.extend((0..self.priors()).map(expected));
+        }
+        columns
     }
 }
 

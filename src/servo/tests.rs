@@ -96,6 +96,37 @@ fn values_come_back_from_command_and_position() {
     assert!(after < 0.05 * before, "{before} -> {after}");
 }
 
+/// Mass and first moments of a load that the twin does not carry: what is usually none (a moment aside) and what a
+/// search would begin without (a mass) are found all the same.
+#[test]
+fn a_load_comes_back_from_command_and_position() {
+    let load = "[effects.payload]\npayload_mass = 2.0\npayload_moment_x = 0.1\npayload_moment_y = 0\n\
+                payload_moment_z = 0.2\n";
+    let (truth, track) = by_rapier(&format!("{SERVOS}{load}"));
+    let mut twin = truth.clone();
+    twin.effects.retain(|e| e != "payload");
+    twin.values.retain(|name, _| !name.starts_with("payload"));
+    let free = free_parameters(&twin, &["payload".to_string()]).unwrap();
+    let settings = Settings { horizon_s: 2.0, ..Settings::default() };
+    let found = identify(&twin, &[&track], &free, &settings, &()).unwrap();
+    for (name, wanted, near) in [
+        ("payload_mass", 2.0, 0.1),
+        ("payload_moment_x", 0.1, 0.02),
+        ("payload_moment_z", 0.2, 0.05),
+    ] {
+        let e = found.estimates.iter().find(|e| e.name == name).unwrap();
+        assert!((e.value - wanted).abs() < near && e.low < wanted && wanted < e.high, "{e:?}");
+    }
+    // However light, its centre is no further away than the arm reaches.
+    let values: Vec<f64> = free
+        .iter()
+        .map(|f| if f.parameter.name == "payload_mass" { f.min } else { f.max })
+        .collect();
+    let light = super::parameters::with_values(&twin, &free, &values);
+    let [moment, mass] = ["payload_moment_x", "payload_mass"].map(|name| light.values[name][0]);
+    assert!(moment <= mass * twin.robot.reach() * (1.0 + 1e-12) && mass > 0.0);
+}
+
 /// Told to go no further than its friction lets it, a joint does not creep.
 #[test]
 fn a_servo_within_its_friction_stands() {

@@ -8,10 +8,11 @@ use serde::{Deserialize, Serialize};
 
 use super::TrialError;
 use super::baselines::{BaselineAnswer, baselines};
-use super::case::{CHECK, Case, FIT, TWIN};
+use super::case::{CHECK, Case, FIT, ROBOT, SETTINGS, TWIN};
 use crate::diagnosis::{Criteria, Diagnosis, Settings, conditioning, diagnose};
 use crate::files::sha256;
 use crate::recording::{Recording, read};
+use crate::servo;
 use crate::signals::{Conditioning, Samples, condition};
 use crate::twin::Twin;
 
@@ -81,14 +82,17 @@ impl Opened {
         let conditioning = conditioning(&recordings[0], twin.robot.dof());
         let samples = |r: &Recording| condition(r, &twin.drive, twin.robot.dof(), &conditioning);
         let samples = [samples(&recordings[0])?, samples(&recordings[1])?];
-        let baselines = baselines(&twin, &samples[0], &samples[1], &case.settings);
+        let baselines = match twin.drive.servo {
+            Some(_) => Vec::new(),
+            None => baselines(&twin, &samples[0], &samples[1], &case.settings),
+        };
         Ok(Self { inputs: inputs(folder)?, case, twin, conditioning, samples, baselines })
     }
 
     /// The answer by these criteria, which may be other than the case's own.
     pub fn answer(&self, criteria: Criteria) -> Answer {
         let settings = Settings { criteria, ..self.case.settings.clone() };
-        let diagnosis = diagnose(&self.twin, &self.samples[0], &self.samples[1], &settings);
+        let diagnosis = self.diagnose(&settings);
         Answer {
             schema: SCHEMA.into(),
             armtwin: env!("CARGO_PKG_VERSION").into(),
@@ -96,18 +100,31 @@ impl Opened {
             inputs: self.inputs.clone(),
             settings,
             conditioning: self.conditioning.clone(),
-            failed: diagnosis.as_ref().err().map(ToString::to_string),
+            failed: diagnosis.as_ref().err().cloned(),
             diagnosis: diagnosis.ok(),
             baselines: self.baselines.clone(),
         }
     }
+
+    /// Position servos are explained by simulation, all else by torque.
+    fn diagnose(&self, settings: &Settings) -> Result<Diagnosis, String> {
+        let [fit, check] = &self.samples;
+        match self.twin.drive.servo {
+            Some(_) => servo::diagnose(&self.twin, [fit, check], settings, &())
+                .map(|found| found.diagnosis)
+                .map_err(|e| e.to_string()),
+            None => diagnose(&self.twin, fit, check, settings).map_err(|e| e.to_string()),
+        }
+    }
 }
 
+/// Hashes of what the answerer was given.
 fn inputs(folder: &Path) -> Result<BTreeMap<String, String>, TrialError> {
     let hash = |name: &str| {
         let file = folder.join(name);
         let bytes = fs::read(&file).map_err(TrialError::io(&file, "read"))?;
         Ok((name.to_string(), sha256(&bytes)))
     };
-    [FIT, CHECK, TWIN, super::case::SETTINGS].into_iter().map(hash).collect()
+    let own = folder.join(ROBOT).exists().then_some(ROBOT);
+    [FIT, CHECK, TWIN, SETTINGS].into_iter().chain(own).map(hash).collect()
 }

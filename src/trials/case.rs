@@ -12,6 +12,8 @@ pub const FIT: &str = "fit.csv.gz";
 pub const CHECK: &str = "check.csv.gz";
 pub const TWIN: &str = "twin.toml";
 pub const SETTINGS: &str = "settings.toml";
+/// The arm, where it is none that is built in.
+pub const ROBOT: &str = "robot.urdf";
 const PREFIX: &str = "case-";
 
 /// A case as the answerer gets it.

@@ -6,14 +6,14 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::asked::Draw;
+use super::asked::{Draw, Family};
 use super::case::{CHECK, FIT, TWIN, case_name, new_folder, write_settings, write_text};
 use super::hide::Hiding;
 use super::nuisance::replace;
 use super::plan::{Plan, plans};
 use super::third;
 use super::truth::{SCHEMA, place};
-use super::{Hidden, Kind, Seals, TrialError, TrueValue, Truth, seal};
+use super::{Hidden, Kind, Seals, Strength, TrialError, TrueValue, Truth, seal, servos};
 use crate::diagnosis::Settings;
 use crate::effects::Scope;
 use crate::recording::{Recording, write_csv};
@@ -25,14 +25,20 @@ use crate::twin::Twin;
 /// # Errors
 /// If a file cannot be written, or an arm cannot be simulated.
 pub fn draw(how: &Draw, out: &Path, done: &(dyn Fn() + Sync)) -> Result<Seals, TrialError> {
-    let plans = plans(how.cases, &how.only, &mut ChaCha8Rng::seed_from_u64(how.seed))?;
+    let plans = plans(how.cases, &how.only, how.family, &mut ChaCha8Rng::seed_from_u64(how.seed))?;
     seal::make_folder(out)?;
     plans.par_iter().enumerate().try_for_each(|(number, plan)| {
-        case(how, number, plan, out)?;
+        match how.family {
+            Family::Servos => servos::case(how, number, plan, out)?,
+            Family::Standard | Family::Nuisance => case(how, number, plan, out)?,
+        }
         done();
         Ok::<_, TrialError>(())
     })?;
-    let family = if how.nuisance { " --nuisance" } else { "" };
+    let family = match how.family {
+        Family::Standard => String::new(),
+        other => format!(" --{}", other.name()),
+    };
     let made = format!(
         "`armtwin trial draw --cases {} --seed {}{family}`, armtwin {}",
         how.cases,
@@ -43,14 +49,20 @@ pub fn draw(how: &Draw, out: &Path, done: &(dyn Fn() + Sync)) -> Result<Seals, T
 }
 
 /// Times a case is drawn anew because the arm ran away or the effect hardly showed.
-const ATTEMPTS: u64 = 6;
+pub const ATTEMPTS: u64 = 6;
+
+/// Random numbers of an attempt at a case, whatever is drawn for the others.
+pub fn stream(seed: u64, number: usize, attempt: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(1 + number as u64 + (attempt << 32));
+    rng
+}
 
 fn case(how: &Draw, number: usize, plan: &Plan, out: &Path) -> Result<(), TrialError> {
     let name = case_name(number);
     let mut last = None;
     for attempt in 0..ATTEMPTS {
-        let mut rng = ChaCha8Rng::seed_from_u64(how.seed);
-        rng.set_stream(1 + number as u64 + (attempt << 32));
+        let mut rng = stream(how.seed, number, attempt);
         let hiding = Hiding::draw(how, plan, &mut rng, &name)?;
         if !hiding.shows() && attempt + 1 < ATTEMPTS {
             continue;
@@ -105,9 +117,7 @@ fn write(
     let setup = &hiding.made.setup;
     let twin = Twin { drive: setup.drive.clone(), ..Twin::default() };
     write_text(&folder.join(TWIN), &twin.to_toml())?;
-    let withheld = plan.effects.iter().filter(|_| plan.kind == Kind::Withheld);
-    let without = withheld.map(|(name, _)| name.to_string()).collect();
-    write_settings(&folder, &Settings { without, ..how.settings.clone() })?;
+    write_settings(&folder, &told(how, plan))?;
     third::write(&hiding.third_recording(third), out, name)?;
     let truth = Truth {
         schema: SCHEMA.into(),
@@ -117,9 +127,9 @@ fn write(
         effects: hiding
             .effects
             .iter()
-            .map(|e| hidden(&e.injection, e, setup.robot.dof()))
+            .map(|e| hidden(&e.injection, &e.strength, setup.robot.dof()))
             .collect(),
-        family: if how.nuisance { "nuisance" } else { "standard" }.into(),
+        family: how.family.name().into(),
         noise_nm: hiding.noise(fit),
         third: true,
         recordings: Vec::new(),
@@ -134,7 +144,15 @@ fn write(
     seal::write_truth(out, &truth)
 }
 
-fn hidden(injection: &Injection, effect: &super::hide::Effect, dof: usize) -> Hidden {
+/// What the answerer is told.
+pub fn told(how: &Draw, plan: &Plan) -> Settings {
+    let withheld = plan.effects.iter().filter(|_| plan.kind == Kind::Withheld);
+    let without = withheld.map(|(name, _)| name.to_string()).collect();
+    Settings { without, ..how.settings.clone() }
+}
+
+/// What a case hides, as its truth has it.
+pub fn hidden(injection: &Injection, strength: &Strength, dof: usize) -> Hidden {
     let about = injection.effect.about();
     let joints: Vec<usize> = injection.joints.iter().map(|j| j + 1).collect();
     let value = |(i, p): (usize, &crate::effects::Parameter)| TrueValue {
@@ -145,7 +163,7 @@ fn hidden(injection: &Injection, effect: &super::hide::Effect, dof: usize) -> Hi
         effect: about.name.into(),
         joints: if about.scope == Scope::Arm { Vec::new() } else { place(&joints, dof) },
         parameters: about.parameters.iter().enumerate().map(value).collect(),
-        strength: effect.strength.clone(),
+        strength: strength.clone(),
     }
 }
 

@@ -4,7 +4,7 @@
 use rand_chacha::ChaCha8Rng;
 
 use super::arm::arm;
-use super::asked::Draw;
+use super::asked::{Draw, Family};
 use super::nuisance::Nuisance;
 use super::plan::Plan;
 use super::shapes::{Ground, Shape, Size, shape};
@@ -69,7 +69,7 @@ impl Hiding {
         let robot = made.setup.robot.clone();
         let mut hiding =
             Self { scenario, made, third, nuisance: None, effects: vec![], robot, friction };
-        if how.nuisance {
+        if how.family == Family::Nuisance {
             hiding.disturb(rng);
         }
         let planned = hiding.made.fit.sampled(1.0 / hiding.scenario.rate_hz);
@@ -112,6 +112,7 @@ impl Hiding {
             torque: &torque,
             coulomb: &self.friction[0],
             duration_s: self.scenario.motion.duration_s,
+            scale: 1.0,
         };
         let dof = self.robot.dof();
         let local = self.effects.iter().map(|e| &e.injection.joints).filter(|j| j.len() < dof);

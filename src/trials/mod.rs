@@ -26,6 +26,7 @@ mod on_recordings;
 mod plan;
 mod score;
 mod seal;
+mod servos;
 mod shapes;
 mod strength;
 mod third;
@@ -33,7 +34,7 @@ mod truth;
 
 pub use crate::files::sha256;
 pub use answer::{Answer, answer};
-pub use asked::Draw;
+pub use asked::{Draw, Family};
 pub use baselines::{BaselineAnswer, Method};
 pub use case::{Case, case_folders};
 pub use criteria::{CriteriaTrial, Moved, Row, Work, criteria_page};

@@ -3,6 +3,7 @@
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
+use super::asked::Family;
 use super::foreign::FOREIGN;
 use super::{Kind, TrialError};
 use crate::effects::{CATALOGUE, DriveKind, Effect, Seen};
@@ -23,6 +24,16 @@ const PARTS: [(Kind, usize); 6] = [
 /// What every twin has open and therefore is no gap.
 const KNOWN: [&str; 2] = ["coulomb", "viscous"];
 
+/// Effects that only recorded currents, velocities, temperatures or a controller can show.
+const UNSEEN_OF_SERVOS: [&str; 6] = [
+    "temperature_friction",
+    "velocity_lag",
+    "quantisation",
+    "controller_mismatch",
+    "torque_saturation",
+    "external_contact",
+];
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     pub kind: Kind,
@@ -34,7 +45,12 @@ pub struct Plan {
 ///
 /// # Errors
 /// If `only` holds a name that is neither.
-pub fn plans(cases: usize, only: &[String], rng: &mut ChaCha8Rng) -> Result<Vec<Plan>, TrialError> {
+pub fn plans(
+    cases: usize,
+    only: &[String],
+    family: Family,
+    rng: &mut ChaCha8Rng,
+) -> Result<Vec<Plan>, TrialError> {
     refuse_unknown(only)?;
     let kinds: Vec<Kind> =
         Kind::SIMULATED.into_iter().filter(|k| only.iter().any(|o| o == k.name())).collect();
@@ -42,7 +58,7 @@ pub fn plans(cases: usize, only: &[String], rng: &mut ChaCha8Rng) -> Result<Vec<
     let pools: Vec<(usize, Vec<Plan>)> = PARTS
         .into_iter()
         .filter(|(kind, _)| wanted(*kind))
-        .map(|(kind, parts)| (parts, pool(kind, only, rng)))
+        .map(|(kind, parts)| (parts, pool(kind, only, family, rng)))
         .filter(|(_, pool)| !pool.is_empty())
         .collect();
     let counts = shares(cases, &pools.iter().map(|p| p.0).collect::<Vec<_>>());
@@ -71,13 +87,18 @@ fn refuse_unknown(only: &[String]) -> Result<(), TrialError> {
     }
 }
 
-/// Effects that an arm can have whose currents are recorded.
-fn of_currents() -> impl Iterator<Item = &'static dyn Effect> {
-    CATALOGUE.iter().copied().filter(|e| e.of_drive() != DriveKind::Servo)
+/// Effects that show in what is recorded of an arm.
+fn of_arm(family: Family) -> impl Iterator<Item = &'static dyn Effect> {
+    let servos = family == Family::Servos;
+    let other = if servos { DriveKind::Current } else { DriveKind::Servo };
+    let shows = move |e: &&dyn Effect| {
+        e.of_drive() != other && !(servos && UNSEEN_OF_SERVOS.contains(&e.about().name))
+    };
+    CATALOGUE.iter().copied().filter(shows)
 }
 
 /// All there is of a kind, in the order it is to be drawn.
-fn pool(kind: Kind, only: &[String], rng: &mut ChaCha8Rng) -> Vec<Plan> {
+fn pool(kind: Kind, only: &[String], family: Family, rng: &mut ChaCha8Rng) -> Vec<Plan> {
     let all = CATALOGUE.iter().chain(FOREIGN).map(|e| e.about().name);
     let chosen: Vec<&str> = all.filter(|n| only.iter().any(|o| o == n)).collect();
     let wanted = |name: &&'static str| chosen.is_empty() || chosen.contains(name);
@@ -86,7 +107,7 @@ fn pool(kind: Kind, only: &[String], rng: &mut ChaCha8Rng) -> Vec<Plan> {
     let names = |list: &[&'static dyn Effect]| -> Vec<&'static str> {
         list.iter().map(|e| e.about().name).filter(wanted).collect()
     };
-    let (hidden, seen): (Effects, Effects) = of_currents().partition(unseen);
+    let (hidden, seen): (Effects, Effects) = of_arm(family).partition(unseen);
     let seen: Effects = seen.into_iter().filter(|e| !KNOWN.contains(&e.about().name)).collect();
     match kind {
         Kind::Clean if chosen.is_empty() || only.iter().any(|o| o == kind.name()) => {
@@ -170,7 +191,7 @@ mod tests {
 
     fn drawn(cases: usize, only: &[&str]) -> Vec<Plan> {
         let only: Vec<String> = only.iter().map(ToString::to_string).collect();
-        plans(cases, &only, &mut ChaCha8Rng::seed_from_u64(1)).unwrap()
+        plans(cases, &only, Family::Standard, &mut ChaCha8Rng::seed_from_u64(1)).unwrap()
     }
 
     #[test]
@@ -179,7 +200,7 @@ mod tests {
         assert_eq!(plans.len(), 420);
         let count = |kind| plans.iter().filter(|p| p.kind == kind).count();
         assert!(count(Kind::Clean) >= 100 && count(Kind::Pair) >= 40 && count(Kind::Foreign) >= 24);
-        for effect in of_currents().filter(|e| e.seen() != Seen::Simulation) {
+        for effect in of_arm(Family::Standard).filter(|e| e.seen() != Seen::Simulation) {
             let name = effect.about().name;
             for strength in STRENGTHS {
                 let hides =
@@ -201,7 +222,7 @@ mod tests {
         let mixed = drawn(12, &["clean", "single", "payload"]);
         assert!(mixed.iter().any(|p| p.kind == Kind::Clean));
         let only = ["paylod".to_string()];
-        let refused = plans(1, &only, &mut ChaCha8Rng::seed_from_u64(1));
+        let refused = plans(1, &only, Family::Standard, &mut ChaCha8Rng::seed_from_u64(1));
         assert!(refused.unwrap_err().to_string().contains("paylod"));
     }
 

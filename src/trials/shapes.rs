@@ -18,6 +18,8 @@ pub struct Ground<'a> {
     /// Coulomb friction of every joint, N.m.
     pub coulomb: &'a [f64],
     pub duration_s: f64,
+    /// Forces and masses of the arm beside those of a UR5.
+    pub scale: f64,
 }
 
 /// An effect at unit size.
@@ -129,7 +131,7 @@ fn proportions(
     rng: &mut ChaCha8Rng,
 ) -> (Vec<f64>, Size) {
     let fc = ground.coulomb[joint];
-    let big = joint < 3;
+    let (big, scale) = (joint < 3, ground.scale);
     let width = Size::Knob { parameter: 1, low: 1e-4, high: 0.05 };
     match name {
         "stribeck" => {
@@ -138,7 +140,7 @@ fn proportions(
         }
         "coulomb_asymmetry" => {
             let viscous = if rng.random_bool(0.5) { 0.0 } else { rng.random_range(-0.5..0.5) };
-            (vec![sign(rng), viscous], factor(&[0, 1], 18.0))
+            (vec![sign(rng), viscous], factor(&[0, 1], 18.0 * scale))
         }
         "load_friction" => (vec![0.05], factor(&[0], 0.35)),
         "temperature_friction" => {
@@ -159,26 +161,28 @@ fn proportions(
         }
         "backlash" => {
             let stiffness = if big { ratio(rng, 1e4, 4e4) } else { ratio(rng, 3e3, 1e4) };
-            (vec![0.001, stiffness, if big { 20.0 } else { 5.0 }, 0.001], factor(&[0, 3], 0.02))
+            let damping = if big { 20.0 } else { 5.0 };
+            (vec![0.001, scale * stiffness, scale * damping, 0.001], factor(&[0, 3], 0.02))
         }
         "joint_flexibility" => {
             let damping =
                 if big { rng.random_range(5.0..30.0) } else { rng.random_range(1.0..6.0) };
-            let limit = if big { 2e-3 } else { 4e-3 };
-            (vec![1e-4, 0.0, damping, 0.0, 0.001, 1e-4], factor(&[0, 5], limit))
+            let limit = if big { 2e-3 } else { 4e-3 } / scale;
+            (vec![1e-4, 0.0, scale * damping, 0.0, 0.001, 1e-4], factor(&[0, 5], limit))
         }
         "torque_ripple" => {
             let phase: f64 = rng.random_range(0.0..std::f64::consts::TAU);
             let order = *[24.0, 36.0, 60.0, 101.0, 202.0].choose(rng).unwrap_or(&202.0);
-            (vec![phase.cos(), phase.sin(), order], factor(&[0, 1], 4.5))
+            (vec![phase.cos(), phase.sin(), order], factor(&[0, 1], 4.5 * scale))
         }
         "cable_spring" => {
             let (hysteresis, rest) = (rng.random_range(0.0..0.5), rng.random_range(-1.5..1.5));
-            (vec![1.0, hysteresis, rest, rng.random_range(0.1..0.5)], factor(&[0, 1], 18.0))
+            let width = rng.random_range(0.1..0.5);
+            (vec![1.0, hysteresis, rest, width], factor(&[0, 1], 18.0 * scale))
         }
         "joint_coupling" => {
             let both = vec![sign(rng), sign(rng) * rng.random_range(0.3..1.0)];
-            (both, factor(&[0, 1], 18.0))
+            (both, factor(&[0, 1], 18.0 * scale))
         }
         "payload" => {
             let height = rng.random_range(0.03..0.12);
@@ -189,12 +193,13 @@ fn proportions(
                 std::array::from_fn(|_| rng.random_range(0.02_f64..0.2).powi(2));
             let inertia = [b + c, a + c, a + b, 0.0, 0.0, 0.0].map(|sides| sides / 12.0);
             let values = [&[1.0], &centre[..], &inertia[..], &centre[..]].concat();
-            (values, factor(&[0, 1, 2, 3, 4, 5, 6], 5.0))
+            (values, factor(&[0, 1, 2, 3, 4, 5, 6], 5.0 * scale))
         }
         "link_inertia" => {
             let mut moment = || 0.06 * rng.random_range(-1.0..1.0);
             let moments = [moment(), moment(), moment()];
-            (vec![0.3 * sign(rng), moments[0], moments[1], moments[2]], factor(&[0, 1, 2, 3], 2.5))
+            let values = vec![0.3 * sign(rng), moments[0], moments[1], moments[2]];
+            (values, factor(&[0, 1, 2, 3], 2.5 * scale))
         }
         "external_contact" => contact(ground, rng),
         "base_tilt" => {
@@ -218,29 +223,34 @@ fn proportions(
             Size::Fixed,
         ),
         "swinging_load" => {
-            (vec![0.5, ratio(rng, 0.8, 2.5), ratio(rng, 0.01, 0.08)], factor(&[0], 2.0))
+            (vec![0.5, ratio(rng, 0.8, 2.5), ratio(rng, 0.01, 0.08)], factor(&[0], 2.0 * scale))
         }
-        "hum" => (vec![1.0, ratio(rng, 0.5, 6.0), rng.random_range(0.0..6.2)], factor(&[0], 15.0)),
+        "hum" => {
+            let values = vec![1.0, ratio(rng, 0.5, 6.0), rng.random_range(0.0..6.2)];
+            (values, factor(&[0], 15.0 * scale))
+        }
         "seizing" => {
             let start = rng.random_range(0.3..0.6) * ground.duration_s;
-            (vec![1.0, start, rng.random_range(0.25..0.4) * ground.duration_s], factor(&[0], 20.0))
+            let length = rng.random_range(0.25..0.4) * ground.duration_s;
+            (vec![1.0, start, length], factor(&[0], 20.0 * scale))
         }
         "rubbing" => {
             let angle = *ground.q.joint(joint).choose(rng).unwrap_or(&0.0);
-            (vec![1.0, angle, rng.random_range(0.2..0.5)], factor(&[0], 20.0))
+            (vec![1.0, angle, rng.random_range(0.2..0.5)], factor(&[0], 20.0 * scale))
         }
         "wandering_gain" => (
             vec![0.02, rng.random_range(7.0..20.0), rng.random_range(0.0..6.2)],
             factor(&[0], 0.35),
         ),
-        "twisted_hose" => (vec![1.0], factor(&[0], 40.0)),
+        "twisted_hose" => (vec![1.0], factor(&[0], 40.0 * scale)),
         // One linear parameter of either sign or none: the catalogue's range is the limit.
         _ => {
             let about = effect.about();
             let first = &about.parameters[0];
             let way = if first.min < 0.0 { sign(rng) } else { 1.0 };
             let values = about.parameters.iter().map(|p| way * p.typical).collect();
-            (values, factor(&[0], 0.9 * first.max))
+            let force = first.unit.starts_with('N') || first.unit.starts_with("kg");
+            (values, factor(&[0], 0.9 * first.max * if force { scale } else { 1.0 }))
         }
     }
 }
@@ -254,5 +264,5 @@ fn contact(ground: &Ground<'_>, rng: &mut ChaCha8Rng) -> (Vec<f64>, Size) {
     // The limit is for the first of the three.
     let x = if x.abs() < 1.0 { x.signum() } else { x };
     let values = vec![x, y, z, start, duration, 10.0];
-    (values, factor(&[0, 1, 2], 150.0))
+    (values, factor(&[0, 1, 2], 150.0 * ground.scale))
 }

@@ -62,10 +62,10 @@ pub struct Truth {
     pub kind: Kind,
     /// Effects beyond what the twin knows of.
     pub effects: Vec<Hidden>,
-    /// `standard` (exact link masses, white noise), `nuisance` or `recordings`, or where the case
-    /// came from.
+    /// `standard` (exact link masses, white noise), `nuisance`, `servos` or `recordings`, or where the
+    /// case came from.
     pub family: String,
-    /// Standard deviation of the noise on each joint's torque, N.m; empty where not known.
+    /// Standard deviation of the noise on each joint's torque, N.m; empty where not known or recorded.
     pub noise_nm: Vec<f64>,
     /// Is there a noise-free third recording beside this file?
     pub third: bool,
@@ -98,7 +98,8 @@ pub struct TrueValue {
     pub values: Vec<f64>,
 }
 
-/// Root mean squares of torque over that of the joint's noise, while sliding.
+/// Root mean squares of torque over that of the joint's noise, while sliding; of position servos those of
+/// position over that of its noise and rounding.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Strength {
     /// What was asked for, of `gap` where it is largest.

@@ -322,6 +322,15 @@ fn a_full_disk_costs_the_file_and_not_the_answer() {
     }
 }
 
+/// Does this process ignore a signal? A shell's background jobs ignore SIGINT, and children inherit that.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|l| l.strip_prefix("SigIgn:"));
+    mask.and_then(|m| u64::from_str_radix(m.trim(), 16).ok())
+        .is_some_and(|m| m >> (signal - 1) & 1 == 1)
+}
+
 /// Stopped in the middle of a file, as the temporary one shows; asked until that has come about.
 #[cfg(unix)]
 #[test]
@@ -334,6 +343,12 @@ fn an_interrupted_conversion_leaves_nothing_behind() {
     fs::create_dir(&out).unwrap();
     let is_empty = || fs::read_dir(&out).unwrap().next().is_none();
     for (signal, number) in [("-INT", 2), ("-TERM", 15)] {
+        if is_ignored(number) {
+            eprintln!(
+                "skipped: whoever runs the tests ignores {signal}, and so does all they start"
+            );
+            continue;
+        }
         let ended_by = |signal: &str| {
             let mut run = Command::new(env!("CARGO_BIN_EXE_armtwin"))
                 .arg("convert")

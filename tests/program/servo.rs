@@ -66,6 +66,32 @@ fn an_arm_without_torque_is_diagnosed_by_simulation() {
     assert!(unknown.stderr.contains("[servo]"), "{}", unknown.stderr);
 }
 
+/// Six servos of an SO-101: what one motion tells predicts another one twice as well, whichever comes first.
+#[test]
+fn a_real_arm_without_torque_is_mended() {
+    let Some(folder) = recordings("sage-so101") else { return };
+    let out = TempDir::new().unwrap();
+    let at = |name: &str| out.path().join(name).display().to_string();
+    let urdf = folder.join("so101_new_calib.urdf");
+    let twin = format!(
+        "robot = {urdf:?}\ntip = \"moving_jaw_so101_v1_link\"\n[drive]\nrotor_inertia = 0.028\n[servo]\n\
+         gain = 17.8\ndamping = 0.55\nmax_torque = 3.35\n[twin]\neffects = [\"coulomb\", \"viscous\"]\n"
+    );
+    std::fs::write(out.path().join("so101.toml"), twin).unwrap();
+    for (fit, check) in [("multisine", "chirp_sweep"), ("chirp_sweep", "multisine")] {
+        let [fit, check] = [fit, check].map(|name| folder.join(name).display().to_string());
+        let twin = at("so101.toml");
+        let json_file = at("found.json");
+        let pair = ["diagnose", "--fit", &fit, "--check", &check, "--from", "5", "--to", "35"];
+        let ran = armtwin(&[&pair[..], &["--twin", &twin, "--json", &json_file]].concat());
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        let found = json(&out.path().join("found.json"));
+        let [before, after] =
+            ["before_rad", "after_rad"].map(|k| found["position"][k].as_f64().unwrap());
+        assert!(after < 0.5 * before, "{fit}: {before} -> {after}");
+    }
+}
+
 /// One servo of hobby size and a known load, of Rhoban/bam: the weight comes back, and other gain registers are
 /// not taken for friction, for the logs say them.
 #[test]

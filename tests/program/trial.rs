@@ -50,6 +50,34 @@ fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     found
 }
 
+/// Command and position of small servos, their arm beside them; the answer comes by simulation.
+#[test]
+fn a_trial_of_position_servos() {
+    let folder = TempDir::new().unwrap();
+    let [cases, answers] = ["cases", "answers"].map(|name| folder.path().join(name));
+    let few = ["draw", "--servos", "--cases", "2", "--seed", "3", "--duration", "12"];
+    let only = ["--only", "clean,single,servo_gain", "--out", text(&cases)];
+    let run = trial(&[&few[..], &only[..]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let case = cases.join("case-0000");
+    assert!(case.join("robot.urdf").exists());
+    let recording = armtwin::recording::read(&case.join("fit.csv.gz"), None).unwrap();
+    assert!(recording.channels.iter().all(|c| c.name.contains("_q_")));
+    answer(&cases, &answers);
+    let scored = folder.path().join("scores.json");
+    let run = trial(&["score", text(&cases), text(&answers), "--json", text(&scored)]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let scores: serde_json::Value = serde_json::from_slice(&fs::read(&scored).unwrap()).unwrap();
+    let found = scores["trials"][0]["cases"].as_array().unwrap();
+    let of = |kind: &str| found.iter().find(|c| c["kind"] == kind).unwrap();
+    assert_eq!(of("clean")["causes"].as_array().unwrap().len(), 0, "{found:?}");
+    let single = of("single");
+    assert!(single["strength"].as_f64().unwrap() > 0.1, "{single}");
+    let said: serde_json::Value =
+        serde_json::from_slice(&fs::read(answers.join("case-0000.json")).unwrap()).unwrap();
+    assert_eq!(said["diagnosis"]["by"], "simulation");
+}
+
 #[test]
 fn a_small_trial_from_end_to_end() {
     let folder = TempDir::new().unwrap();

@@ -12,7 +12,7 @@ use crate::cli::save;
 use crate::cli::twin::{Arm, ArmArgs};
 use crate::diagnosis::Settings;
 use crate::recording::{self, Recording};
-use crate::trials::{Draw, DrawOn, Names, Seals, Sources, draw, draw_on, import};
+use crate::trials::{Draw, DrawOn, Family, Names, Seals, Sources, draw, draw_on, import};
 use crate::workflow::Reading;
 
 /// Make cases with sealed labels, by simulation or on your own recordings, or take cases made elsewhere
@@ -49,6 +49,9 @@ pub struct Args {
     /// Link masses 5 % and centres 5 mm off, coloured noise, skewed channels
     #[arg(long, conflicts_with_all = ["from", "on"])]
     nuisance: bool,
+    /// A small arm of position servos: command and position are recorded, no torque
+    #[arg(long, conflicts_with_all = ["from", "on", "nuisance"])]
+    servos: bool,
     /// Length of the fit and the check recording, s
     #[arg(long, value_name = "S", default_value_t = 48.0, conflicts_with_all = ["from", "on"])]
     duration: f64,
@@ -118,7 +121,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 
 impl Args {
     fn simulated(&self) -> Draw {
-        let mut how = Draw::new(self.cases.unwrap_or(USUAL_CASES), self.seed, self.nuisance);
+        let family = match (self.nuisance, self.servos) {
+            (true, _) => Family::Nuisance,
+            (_, true) => Family::Servos,
+            _ => Family::Standard,
+        };
+        let mut how = Draw::new(self.cases.unwrap_or(USUAL_CASES), self.seed, family);
         how.only.clone_from(&self.only);
         how.duration_s = self.duration;
         self.tell(&mut how.settings);

@@ -35,6 +35,7 @@ pub fn draw(name: &str, [fit, check]: [&Ground; 2], rng: &mut ChaCha8Rng) -> Opt
         // Sizes are set later; proportions are to 1 N.m.
         coulomb: &vec![1.0; fit.dof()],
         duration_s: fit.duration_s().min(check.duration_s()),
+        scale: 1.0,
     };
     let joint = *moving.choose(rng)?;
     let injection = match foreign::proportions(name, joint, &ground, rng) {

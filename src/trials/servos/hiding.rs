@@ -1,0 +1,158 @@
+//! What is hidden in a case: drawn, and brought to its strength by simulating.
+
+use rand_chacha::ChaCha8Rng;
+
+use super::arm::{SCALE, URDF, arm};
+use super::position::Plain;
+use crate::robot::{Chain, inverse_dynamics_series, urdf};
+use crate::simulation::{
+    Command, Experiment, Injection, Moved, Run, Scenario, Setup, Simulation, SimulationError,
+};
+use crate::trials::asked::Draw;
+use crate::trials::plan::Plan;
+use crate::trials::shapes::{Ground, Shape, Size, shape};
+use crate::trials::{Strength, TrialError};
+
+/// A case before it is simulated.
+pub struct Hiding {
+    pub scenario: Scenario,
+    pub made: Experiment,
+    pub effects: Vec<Effect>,
+    /// The arm with the effects.
+    hides: Setup,
+}
+
+/// One of the hidden effects, with its strength when it is alone.
+pub struct Effect {
+    pub injection: Injection,
+    pub strength: Strength,
+    replaces_coulomb: bool,
+}
+
+/// Simulations in which the size of an effect is looked for; it is taken as it is within a third.
+const SEARCHED: usize = 6;
+const WITHIN: std::ops::Range<f64> = 0.75..1.33;
+
+impl Hiding {
+    /// # Errors
+    /// If the plan names no known effect or the arm runs away.
+    pub fn draw(
+        how: &Draw,
+        plan: &Plan,
+        rng: &mut ChaCha8Rng,
+        case: &str,
+    ) -> Result<Self, TrialError> {
+        let scenario = arm(how.duration_s, rng);
+        let made = on_desk(&scenario).map_err(|e| TrialError::Usage(format!("{case}: {e}")))?;
+        let ran_away = |source| TrialError::Simulation { case: case.into(), source };
+        let plain = match plan.effects.is_empty() {
+            true => None,
+            false => Some(Plain::new(&made).map_err(ran_away)?),
+        };
+        let mut hiding = Self { hides: made.setup.clone(), scenario, made, effects: Vec::new() };
+        for (name, wanted) in &plan.effects {
+            let shape = hiding.shape(name, rng)?;
+            let Some(plain) = &plain else { continue };
+            let effect = hiding.sized(&shape, *wanted, plain).map_err(ran_away)?;
+            inject(&mut hiding.hides, &effect.injection, effect.replaces_coulomb);
+            hiding.effects.push(effect);
+        }
+        Ok(hiding)
+    }
+
+    fn shape(&self, name: &str, rng: &mut ChaCha8Rng) -> Result<Shape, TrialError> {
+        let Experiment { setup, fit, .. } = &self.made;
+        let planned = fit.sampled(1.0 / self.scenario.rate_hz);
+        let torque = inverse_dynamics_series(&setup.robot, &planned.q, &planned.qd, &planned.qdd);
+        let is_coulomb = |i: &&Injection| i.effect.about().name == "coulomb";
+        let coulomb = setup.effects.iter().find(is_coulomb);
+        let coulomb: Vec<f64> =
+            coulomb.map_or(vec![], |i| i.values.iter().map(|row| row[0]).collect());
+        let ground = Ground {
+            q: &planned.q,
+            torque: &torque,
+            coulomb: &coulomb,
+            duration_s: self.scenario.motion.duration_s,
+            scale: SCALE,
+        };
+        let local = self.effects.iter().map(|e| &e.injection.joints);
+        let local = local.filter(|j| j.len() < setup.robot.dof());
+        let taken: Vec<usize> = local.flatten().copied().collect();
+        let missing = || TrialError::Usage(format!("no effect `{name}` can be drawn"));
+        shape(name, &ground, &taken, rng).ok_or_else(missing)
+    }
+
+    /// The effect at the size where the position shows it as strongly as is wanted.
+    fn sized(
+        &self,
+        shape: &Shape,
+        wanted: Option<f64>,
+        plain: &Plain,
+    ) -> Result<Effect, SimulationError> {
+        let with = |x: f64| {
+            let injection = shape.sized(x);
+            let mut setup = self.made.setup.clone();
+            inject(&mut setup, &injection, shape.replaces_coulomb);
+            let strength = plain.strength(&setup, &self.made)?;
+            let strength = Strength { drawn: wanted, ..strength };
+            Ok(Effect { injection, strength, replaces_coulomb: shape.replaces_coulomb })
+        };
+        let [low, high] = match &shape.size {
+            Size::Factor { parameters, limit } => {
+                let first = shape.injection.values[0][parameters[0]].abs().max(1e-12);
+                [1e-4 * limit / first, limit / first]
+            }
+            Size::Knob { low, high, .. } => [*low, *high],
+            Size::Fixed => return with(1.0),
+        };
+        let mut x = (0.01 * high).clamp(low, high);
+        let mut effect = with(x)?;
+        for _ in 0..SEARCHED {
+            let ratio = wanted.unwrap_or(1.0) / effect.strength.reached().max(1e-6);
+            let next = (x * ratio.clamp(0.02, 50.0)).clamp(low, high);
+            if WITHIN.contains(&ratio) || next == x {
+                break;
+            }
+            x = next;
+            effect = with(x)?;
+        }
+        Ok(effect)
+    }
+
+    /// Is every effect at a fair part of its strength?
+    pub fn shows(&self) -> bool {
+        let fair = |e: &Effect| e.strength.drawn.is_none_or(|d| e.strength.reached() > 0.5 * d);
+        self.effects.iter().all(fair)
+    }
+
+    /// Fit and check recording.
+    ///
+    /// # Errors
+    /// If the arm runs away.
+    pub fn simulate(&self) -> Result<[Run; 2], SimulationError> {
+        let mut simulation = Simulation::new(&self.hides)?;
+        let mut follow = |command: &dyn Command, number: u64| {
+            simulation.run(command, self.made.seed, number, &mut |_| true)
+        };
+        Ok([follow(&self.made.fit, 0)?, follow(&self.made.check, 1)?])
+    }
+}
+
+fn on_desk(scenario: &Scenario) -> Result<Experiment, String> {
+    let words = |e: crate::robot::RobotError| e.to_string();
+    let loaded = urdf::read(URDF, &scenario.robot, &Chain::default()).map_err(words)?;
+    let dof = loaded.robot.dof();
+    let drive = scenario.drive.on(&scenario.robot, dof, scenario.servo.as_ref()).map_err(words)?;
+    scenario.on(Moved { robot: loaded.robot, drive, known: Vec::new(), notes: loaded.notes })
+}
+
+/// Puts an effect into the arm, in place of what it replaces.
+fn inject(setup: &mut Setup, injection: &Injection, replaces_coulomb: bool) {
+    if replaces_coulomb {
+        let is_coulomb = |i: &&mut Injection| i.effect.about().name == "coulomb";
+        if let Some(coulomb) = setup.effects.iter_mut().find(is_coulomb) {
+            injection.joints.iter().for_each(|&j| coulomb.values[j][0] = 0.0);
+        }
+    }
+    setup.effects.push(injection.clone());
+}
