@@ -40,9 +40,10 @@ pub fn draw(how: &Draw, out: &Path, done: &(dyn Fn() + Sync)) -> Result<Seals, T
         other => format!(" --{}", other.name()),
     };
     let made = format!(
-        "`armtwin trial draw --cases {} --seed {}{family}`, armtwin {}",
+        "`armtwin trial draw --cases {} --seed {} --duration {}{family}`, armtwin {}",
         how.cases,
         how.seed,
+        how.duration_s,
         env!("CARGO_PKG_VERSION")
     );
     seal::seal(out, made)
