@@ -2,7 +2,8 @@
 //!
 //! [`draw()`] makes cases in rapier, [`draw_on()`] grafts effects onto somebody's own recordings,
 //! [`import()`] takes cases made elsewhere. A case folder
-//! holds what the answerer may see: two recordings, the nominal twin, settings. What is hidden lies
+//! holds what the answerer may see: two recordings, the nominal twin, settings, and the arm where none is built
+//! in. What is hidden lies
 //! in `sealed/` beside the case folders, and `seals.json` publishes the hash of every file there:
 //! [`score()`] refuses a truth that does not match. [`answer()`] is given a case folder and nothing
 //! else. [`CriteriaTrial`] answers with each criterion moved: how much does it matter?
