@@ -69,6 +69,17 @@ impl Detector {
         (0..self.joints.len()).filter(|&j| !knows(j)).collect()
     }
 
+    /// What is usual, where a recording says it: a change is then noticed from the first block on.
+    pub fn learn(&mut self, stretch: &Stretch) {
+        for (j, joint) in self.joints.iter_mut().enumerate() {
+            joint.add(stretch, j, f64::INFINITY);
+            joint.block = Block::default();
+            for chart in &mut joint.charts {
+                (chart.more, chart.less) = (Cusum::default(), Cusum::default());
+            }
+        }
+    }
+
     /// Takes what is seen. After an alarm the charts begin anew: what is, is the usual from then on.
     pub fn add(&mut self, stretch: &Stretch) -> Option<Alarm> {
         let mut first: Option<Alarm> = None;

@@ -104,7 +104,7 @@ impl Watch {
         })
     }
 
-    /// The level that the twin left of a recording it was fitted on.
+    /// The level that the twin left of a recording it was fitted on, and what is usual besides.
     ///
     /// # Errors
     /// If the recording cannot be conditioned.
@@ -112,6 +112,7 @@ impl Watch {
         let stretch = Stretch::of(fitted_on, None, &self.twin)?;
         self.figures.learn(&stretch);
         self.flange.learn(&stretch);
+        self.detector.learn(&stretch);
         Ok(())
     }
 

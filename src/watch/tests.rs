@@ -130,6 +130,23 @@ fn the_gap_is_that_of_a_diagnosis_and_as_large_as_what_is_hidden() {
     assert!(words.starts_with("joint 3 needs 1.") && words.contains("N.m more"), "{words}");
 }
 
+/// A load that was there before anybody watched is none of the first minutes' if a recording says what is usual.
+#[test]
+fn what_changed_before_the_first_row_is_noticed_where_a_recording_says_what_is_usual() {
+    let (usual, _) = recorded("[6, 7, 5, 1.5, 1.2, 1.0]", 90.0);
+    let (changed, _) = recorded("[6, 7, 6.5, 1.5, 1.2, 1.0]", 40.0);
+    let noticed = |learned: bool| {
+        let mut watch = Watch::new(twin(), &columns(&usual), &Settings::default()).unwrap();
+        if learned {
+            watch.learn(&usual).unwrap();
+        }
+        let mut rows = changed.rows();
+        rows.find_map(|row| watch.row(&row).unwrap().and_then(|seen| seen.alarm))
+    };
+    assert_eq!(noticed(true).map(|alarm| alarm.joint), Some(2));
+    assert_eq!(noticed(false), None);
+}
+
 #[test]
 fn gaps_in_time_and_clocks_that_go_back_begin_anew() {
     let (usual, _) = recorded("[6, 7, 5, 1.5, 1.2, 1.0]", 20.0);

@@ -44,14 +44,16 @@ Predicted against measured torque, joint by joint and regime by regime: how larg
 weighted) beside the level the twin left of the recording it was fitted on (--fitted-on), or in the first minutes. \
 When a joint's gap changes, that is said at once with the time since when; a minute later the minutes before and \
 after are diagnosed in the background, and what is new in them is named. A joint has to slide for \
-48 s before a change of it can be noticed. --false-alarm-every states how often that may happen \
+48 s before a change of it can be noticed, in that recording (--fitted-on) or here: what is there from the begin on is \
+taken for usual. --false-alarm-every states how often that may happen \
 without a change; docs/alarms.md has what was measured. Without a terminal a line a minute is printed.")]
 pub struct Args {
     #[command(flatten)]
     arm: ArmArgs,
     #[command(flatten)]
     source: SourceArgs,
-    /// Recording that the twin was fitted on: the gap it left there is the level [default: the first minutes]
+    /// Recording that the twin was fitted on: the gap it left there is the level, and what is usual [default: the
+    /// first minutes]
     #[arg(long, value_name = "RECORDING")]
     fitted_on: Option<PathBuf>,
     /// Mean time between false alarms of all joints together, in hours of motion
