@@ -8,16 +8,15 @@ use rayon::prelude::*;
 
 use super::asked::{Draw, Family};
 use super::case::{CHECK, FIT, TWIN, case_name, new_folder, write_settings, write_text};
+use super::drawn::{ATTEMPTS, hidden, stream, told};
 use super::hide::Hiding;
 use super::nuisance::replace;
 use super::plan::{Plan, plans};
 use super::third;
-use super::truth::{SCHEMA, place};
-use super::{Hidden, Kind, Seals, Strength, TrialError, TrueValue, Truth, seal, servos};
-use crate::diagnosis::Settings;
-use crate::effects::Scope;
+use super::truth::SCHEMA;
+use super::{Seals, TrialError, Truth, seal, servos};
 use crate::recording::{Recording, write_csv};
-use crate::simulation::{Command, Injection, Run, Simulation, SimulationError};
+use crate::simulation::{Command, Run, Simulation, SimulationError};
 use crate::twin::Twin;
 
 /// Draws all cases into `out` in parallel and seals them; `done` is told of each.
@@ -47,16 +46,6 @@ pub fn draw(how: &Draw, out: &Path, done: &(dyn Fn() + Sync)) -> Result<Seals, T
         env!("CARGO_PKG_VERSION")
     );
     seal::seal(out, made)
-}
-
-/// Times a case is drawn anew because the arm ran away or the effect hardly showed.
-pub const ATTEMPTS: u64 = 6;
-
-/// Random numbers of an attempt at a case, whatever is drawn for the others.
-pub fn stream(seed: u64, number: usize, attempt: u64) -> ChaCha8Rng {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(1 + number as u64 + (attempt << 32));
-    rng
 }
 
 fn case(how: &Draw, number: usize, plan: &Plan, out: &Path) -> Result<(), TrialError> {
@@ -143,29 +132,6 @@ fn write(
         }),
     };
     seal::write_truth(out, &truth)
-}
-
-/// What the answerer is told.
-pub fn told(how: &Draw, plan: &Plan) -> Settings {
-    let withheld = plan.effects.iter().filter(|_| plan.kind == Kind::Withheld);
-    let without = withheld.map(|(name, _)| name.to_string()).collect();
-    Settings { without, ..how.settings.clone() }
-}
-
-/// What a case hides, as its truth has it.
-pub fn hidden(injection: &Injection, strength: &Strength, dof: usize) -> Hidden {
-    let about = injection.effect.about();
-    let joints: Vec<usize> = injection.joints.iter().map(|j| j + 1).collect();
-    let value = |(i, p): (usize, &crate::effects::Parameter)| TrueValue {
-        name: p.name.into(),
-        values: injection.values.iter().map(|row| row[i]).collect(),
-    };
-    Hidden {
-        effect: about.name.into(),
-        joints: if about.scope == Scope::Arm { Vec::new() } else { place(&joints, dof) },
-        parameters: about.parameters.iter().enumerate().map(value).collect(),
-        strength: strength.clone(),
-    }
 }
 
 /// Channels a controller's log has; what the twin can work out itself is left away.

@@ -18,6 +18,7 @@ mod baselines;
 mod case;
 mod criteria;
 mod draw;
+mod drawn;
 mod error;
 mod foreign;
 mod hide;

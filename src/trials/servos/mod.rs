@@ -14,7 +14,7 @@ use self::hiding::Hiding;
 use super::TrialError;
 use super::asked::Draw;
 use super::case::case_name;
-use super::draw::{ATTEMPTS, stream};
+use super::drawn::{ATTEMPTS, stream};
 use super::plan::Plan;
 
 /// Draws a case into its folder, anew where the effect hardly shows or the arm runs away.

@@ -8,7 +8,7 @@ use crate::recording::write_csv;
 use crate::simulation::{Run, Setup};
 use crate::trials::asked::Draw;
 use crate::trials::case::{CHECK, FIT, ROBOT, TWIN, new_folder, write_settings, write_text};
-use crate::trials::draw::{hidden, told};
+use crate::trials::drawn::{hidden, told};
 use crate::trials::plan::Plan;
 use crate::trials::truth::SCHEMA;
 use crate::trials::{TrialError, Truth, seal};
