@@ -19,7 +19,7 @@ pub struct Called<'a> {
 
 /// What stands of the search of both recordings. Where two models of the gap are about as good the search of the fit
 /// recording alone (`blind`) may have chosen another one, which leaves causes of the first unconfirmed: then what stands
-/// of either, whichever explains both recordings better.
+/// of either, whichever explains both recordings better; where positions are explained, for a simulation proves it then.
 pub fn called<'a>(
     search: &Hypotheses<'a>,
     judge: &Judge<'_>,
@@ -28,7 +28,8 @@ pub fn called<'a>(
 ) -> Called<'a> {
     let confirming: Vec<Candidate> = blind.last.model.causes.iter().map(|t| t.candidate).collect();
     let own = standing(search, judge, found.last.clone(), &confirming);
-    if own.unconfirmed.is_empty() {
+    if own.unconfirmed.is_empty() || !search.data.parts.iter().all(|p| p.samples.response.is_some())
+    {
         return own;
     }
     let other = standing(search, judge, again(search, blind), &confirming);

@@ -8,8 +8,7 @@
 use std::f64::consts::PI;
 
 use super::{
-    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Size, Worked,
-    starts,
+    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts,
 };
 use crate::robot::Robot;
 
@@ -78,8 +77,8 @@ impl Effect for TorqueRipple {
         vec![wave(f64::sin), wave(f64::cos)]
     }
 
-    fn expected(&self, robot: &Robot, _: usize) -> Vec<f64> {
-        vec![USUAL_NM * Size::of(robot).factor("N.m"); 2]
+    fn expected(&self, _: &Robot, _: usize) -> Vec<f64> {
+        vec![USUAL_NM, USUAL_NM]
     }
 
     fn act(&self, values: &[f64], state: &JointState<'_>, _: &mut [f64], load: &mut JointLoad) {
@@ -98,7 +97,7 @@ impl Effect for TorqueRipple {
     }
 }
 
-/// What harmonic drives of a UR5 show, N.m: rarely more.
+/// What harmonic drives of arms this size show, N.m: rarely more.
 const USUAL_NM: f64 = 1.0;
 
 /// Highest order searched for: twice per motor turn of a gear of 200.
