@@ -44,20 +44,21 @@ impl Samples {
         erode(&fast, self.count(self.conditioning.guard_s))
     }
 
-    /// Sliding and usable: what a sliding model may be fitted on. A position tells as much at standstill.
+    /// Sliding and usable: what a sliding model may be fitted on. Where positions are explained, those that tell
+    /// something new.
     pub fn mask(&self, joint: usize) -> Vec<bool> {
-        if self.response.is_some() {
-            return self.usable.clone();
+        if let (Some(_), Some(told)) = (&self.response, &self.told) {
+            return fresh(told.q.joint(joint), told.resolution[joint], &self.usable);
         }
         let sliding = self.sliding(joint);
         sliding.iter().zip(&self.usable).map(|(s, u)| *s && *u).collect()
     }
 
     /// Low-passed signals are redundant: keep every n-th sample, 2.5 per period of the torque
-    /// cutoff. 1 where torque is not filtered.
+    /// cutoff. 1 where torque is not filtered, or positions are explained.
     pub fn decimation(&self) -> usize {
         let cutoff = self.conditioning.torque_cutoff_hz;
-        let follow = || match cutoff > 0.0 {
+        let follow = || match cutoff > 0.0 && self.response.is_none() {
             true => (self.rate_hz() / (KEPT_PER_CUTOFF * cutoff)) as usize,
             false => 1,
         };
@@ -81,6 +82,22 @@ impl Samples {
     pub(super) fn count(&self, seconds: f64) -> usize {
         (seconds / self.dt).round() as usize
     }
+}
+
+/// Usable readings that tell something new. One that stays within the encoder's step is one reading however long it
+/// stays, with one rounding error: the sample in the middle stands for it, where the error takes no side.
+pub fn fresh(q: &[f64], step: f64, usable: &[bool]) -> Vec<bool> {
+    let mut fresh = vec![false; q.len()];
+    for run in runs(usable) {
+        let mut from = run.start;
+        for next in run.start + 1..=run.end {
+            if next == run.end || (q[next] - q[from]).abs() > 0.5 * step {
+                fresh[(from + next - 1) / 2] = true;
+                from = next;
+            }
+        }
+    }
+    fresh
 }
 
 /// True where all of the `reach` neighbours on both sides are true; nothing is known beyond the

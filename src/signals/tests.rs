@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::Deserialize;
 
+use super::mask::fresh;
 use super::*;
 use crate::recording::{Channel, Provenance, Recording};
 use crate::robot::Drive;
@@ -251,6 +252,25 @@ fn a_mask_is_eroded_around_its_holes_but_not_at_its_ends() {
     assert_eq!(erode(&mask, 2), eroded);
     assert_eq!(runs(&eroded), [0..1, 6..8]);
     assert!(runs(&[]).is_empty());
+}
+
+#[test]
+fn readings_within_a_step_of_the_encoder_are_one() {
+    let usable: Vec<bool> = (0..220).map(|k| k != 50).collect();
+    // At rest until 100, then a step in five samples, then three steps a sample.
+    let steps = |k: usize| match k {
+        0..100 => 0.0,
+        100..200 => ((k - 100) / 5) as f64,
+        _ => 20.0 + 3.0 * (k - 200) as f64,
+    };
+    let q: Vec<f64> = (0..220).map(|k| 0.001 * steps(k)).collect();
+    let kept: Vec<usize> =
+        (0..220).zip(fresh(&q, 0.001, &usable)).filter(|p| p.1).map(|p| p.0).collect();
+    let (rest, moving): (Vec<usize>, Vec<usize>) = kept.into_iter().partition(|k| *k < 105);
+    assert_eq!(rest, [24, 77], "a hole ends what is one reading");
+    let slow = (0..19).map(|i| 107 + 5 * i);
+    assert!(moving.into_iter().eq(slow.chain(200..220)));
+    assert!(fresh(&[0.3; 9], 0.0, &[true; 9]).iter().filter(|f| **f).count() == 1);
 }
 
 #[test]
