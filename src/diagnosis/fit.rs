@@ -112,6 +112,13 @@ impl<'a> Fit<'a> {
         joints - self.system.occam_penalty() - starts
     }
 
+    /// Evidence for a discrepancy over none beside the same causes, nats: the best of so many sizes.
+    pub fn evidence_of_discrepancy(&self) -> f64 {
+        let groups: usize = self.sizes.iter().map(Vec::len).sum();
+        let plain = self.clone().beside(self.data.nothing());
+        (self.ln_evidence() - plain.ln_evidence()) - (groups.max(1) as f64).ln()
+    }
+
     /// Log-likelihood of joint `j`'s rows, nats.
     pub fn ln_likelihood(&self, j: usize) -> f64 {
         self.data.ln_likelihood(j, self.squares[j], &self.metric)

@@ -64,13 +64,6 @@ pub fn equivalents(standing: &Standing<'_>, criteria: &Criteria) -> Vec<Named> {
     others.map(|h| named(h.candidate())).collect()
 }
 
-/// Evidence for a discrepancy over none beside the same causes, nats: the best of so many sizes.
-pub fn of_discrepancy(fit: &Fit<'_>) -> f64 {
-    let groups: usize = fit.sizes.iter().map(Vec::len).sum();
-    let plain = fit.clone().beside(fit.data.nothing());
-    (fit.ln_evidence() - plain.ln_evidence()) - (groups.max(1) as f64).ln()
-}
-
 /// The strongest cause's rivals, "none" and "unknown": what is at work first of all.
 pub fn ranking(findings: &Findings<'_>) -> Vec<Ranked> {
     let criteria = &findings.search.criteria;
@@ -96,7 +89,7 @@ pub fn ranking(findings: &Findings<'_>) -> Vec<Ranked> {
     };
     rows.sort_by(|a, b| b.1.total_cmp(&a.1));
     // Nothing at all against a discrepancy: what is not there has no evidence.
-    let unknown = of_discrepancy(rest);
+    let unknown = rest.evidence_of_discrepancy();
     let [none, unknown] = if unknown > 0.0 { [-unknown, 0.0] } else { [0.0, unknown] };
     let nats: Vec<f64> = rows.iter().map(|r| r.1).chain([none, unknown]).collect();
     let mut shares = criteria.probabilities(&nats);

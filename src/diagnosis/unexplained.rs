@@ -45,13 +45,12 @@ pub fn unexplained(
     let (b, a) = (mean_square(before), mean_square(check.residual));
     let joints: Vec<UnexplainedJoint> =
         (0..floor.len()).into_par_iter().map(|j| joint(left, j, &floor[j], last)).collect();
-    let loud = |j: &UnexplainedJoint| {
-        j.discrepancy_nm > 0.0 || j.rms_nm.powi(2) > criteria.above_noise * j.noise_floor_nm.powi(2)
-    };
+    let loud =
+        |j: &UnexplainedJoint| j.rms_nm.powi(2) > criteria.above_noise * j.noise_floor_nm.powi(2);
     Unexplained {
         rms_nm: a.sqrt(),
         fraction: if b > 0.0 { a / b } else { 0.0 },
-        above_noise: joints.iter().any(loud),
+        above_noise: last.evidence_of_discrepancy() > 0.0 || joints.iter().any(loud),
         joints,
     }
 }

@@ -20,8 +20,9 @@ use super::search::{Found, Round, Weighed, search};
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
-    By, Cause, Checked, Diagnosis, Floor, Rejected, RoundEvidence, Scored, Settings, Shrink, Value,
-    Verdict, experiment, gap, intervals, link_masses, links, slow, torque_shrink, words,
+    By, Cause, Checked, Diagnosis, Floor, Ranked, Rejected, RoundEvidence, Scored, Settings,
+    Shrink, Value, Verdict, experiment, gap, intervals, link_masses, links, slow, torque_shrink,
+    words,
 };
 use crate::effects::Role;
 
@@ -82,7 +83,7 @@ impl<'a> Findings<'a> {
         causes.extend(lag);
         let unexplained = self.unexplained();
         let ranking = ranking::ranking(self);
-        let verdict = self.verdict(&causes, &unexplained, ranking::unknown(&ranking));
+        let verdict = self.verdict(&causes, &unexplained, &ranking);
         let ranking = ranking::with_sensor(&causes[..usize::from(sensor_alone)], ranking);
         Diagnosis {
             schema: SCHEMA.into(),
@@ -108,14 +109,10 @@ impl<'a> Findings<'a> {
         }
     }
 
-    fn verdict(&self, causes: &[Cause], left: &Unexplained, unknown: f64) -> Verdict {
-        match (causes.is_empty(), left.above_noise) {
-            (false, false) => Verdict::Explained,
-            (false, true) => Verdict::PartlyExplained,
-            (true, _) if unknown < 0.5 && !left.above_noise && self.lagging.is_none() => {
-                Verdict::NoGap
-            }
-            (true, _) => Verdict::Unexplained,
+    fn verdict(&self, causes: &[Cause], left: &Unexplained, ranking: &[Ranked]) -> Verdict {
+        match Verdict::of(causes, left, ranking) {
+            Verdict::NoGap if self.lagging.is_some() => Verdict::Unexplained,
+            verdict => verdict,
         }
     }
 
@@ -264,6 +261,18 @@ impl<'a> Findings<'a> {
             ));
         }
         notes
+    }
+}
+
+impl Verdict {
+    /// What is named, what it leaves, and how probable a discrepancy of any shape is, in one word.
+    pub fn of(causes: &[Cause], left: &Unexplained, ranking: &[Ranked]) -> Self {
+        match (causes.is_empty(), left.above_noise) {
+            (false, false) => Self::Explained,
+            (false, true) => Self::PartlyExplained,
+            (true, false) if ranking::unknown(ranking) < 0.5 => Self::NoGap,
+            (true, _) => Self::Unexplained,
+        }
     }
 }
 

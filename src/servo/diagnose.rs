@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use super::judge::{is_simulated, prove, refit};
 use super::{Free, ServoError, Settings, Track, free_parameters, identify, linearised};
-use crate::diagnosis::{self, Diagnosis, Traces, diagnose_traced, mend};
+use crate::diagnosis::{self, Cause, Diagnosis, Traces, diagnose_traced, mend};
 use crate::effects::CATALOGUE;
 use crate::follow::Watch;
 use crate::series::JointSeries;
@@ -51,8 +51,14 @@ pub fn diagnose(
         diagnose_traced(twin, &seen_fit?, &seen_check?, &with_what_is_simulated(settings), watch)?;
     watch.tell("fitting causes by simulation", 0, 0);
     let changes = diagnosis.changes();
-    let mended = mend(twin, &open_values(twin, &before.twin), &changes);
-    let after = refit(&mended, twin, &changes, &fit_track, watch)?;
+    let open = open_values(twin, &before.twin);
+    let from =
+        |causes: &[Cause]| refit(&mend(twin, &open, causes), twin, &changes, &fit_track, watch);
+    // Good along one motion, values may still be none that an arm can be led with: then from where no effect is.
+    let after = match from(&changes) {
+        Err(ServoError::Diverged { .. }) => from(&[])?,
+        fitted => fitted?,
+    };
     let simulated = prove(&mut diagnosis, twin, [before, after], &check_track)?;
     Ok(Found { diagnosis, traces, simulated })
 }

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::diagnosis::{
     By, Cause, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink, Value,
-    may_be_absent,
+    Verdict, may_be_absent,
 };
 use crate::effects::{Effect, Seen, Size, find};
 use crate::follow::Watch;
@@ -82,6 +82,7 @@ pub fn prove(
         std::mem::take(&mut diagnosis.causes).into_iter().partition(|c| is_absent(c, twin));
     diagnosis.causes = named;
     diagnosis.adjustments.extend::<Vec<Cause>>(absent);
+    diagnosis.verdict = Verdict::of(&diagnosis.causes, &diagnosis.unexplained, &diagnosis.ranking);
     let stretches = check.stretches(f64::INFINITY);
     let of = |twin: &Twin| replay(twin, check, &stretches);
     let (q_before, q_after) = rayon::join(|| of(&before.twin), || of(&after.twin));
