@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::Untestable;
 use super::candidate::{Candidate, Place};
 use super::fit::Fit;
-use crate::effects::{Parameter, Role, Scope};
+use crate::effects::{Needed, Parameter, Role, Scope};
 
 /// Share of a column that nothing else shows, below which an effect cannot be told from the rest.
 const LEAST_OWN: f64 = 1e-3;
@@ -39,10 +39,8 @@ fn reason(fit: &Fit<'_>, candidate: Candidate) -> Option<&'static str> {
     if candidate.senses() {
         // Asked of the channels themselves where both are recorded (`kinematics`).
         let asked = fit.data.parts[0].samples.sensed.is_some() || candidate.place != Place::Arm;
-        return match about.name {
-            "velocity_lag" if !asked => Some("no velocities are recorded beside the positions"),
-            _ => None,
-        };
+        let missing = !asked && candidate.effect.needs() == Some(Needed::Velocity);
+        return missing.then_some("no velocities are recorded beside the positions");
     }
     if let (Place::Joint(j), Scope::Joint) = (candidate.place, about.scope)
         && fit.data.rows(j) == 0
@@ -52,8 +50,10 @@ fn reason(fit: &Fit<'_>, candidate: Candidate) -> Option<&'static str> {
     let typical = typical(about.parameters, Role::Nonlinear);
     let columns = fit.columns(candidate, &typical);
     if columns.iter().all(|c| c.rows.0.iter().all(Vec::is_empty)) {
-        return Some(match about.name {
-            "temperature_friction" => "no joint temperatures are recorded, or they do not change",
+        return Some(match candidate.effect.needs() {
+            Some(Needed::Temperature) => {
+                "no joint temperatures are recorded, or they do not change"
+            }
             _ => "it would give no torque in this motion",
         });
     }

@@ -201,6 +201,15 @@ pub enum DriveKind {
     Servo,
 }
 
+/// What not every recording has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Needed {
+    /// Of the motors, beside their positions.
+    Velocity,
+    /// Of the joints.
+    Temperature,
+}
+
 /// Does every joint have its own parameters or does the arm share one set?
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -255,6 +264,11 @@ pub trait Effect: Sync {
     /// Which drives can have it.
     fn of_drive(&self) -> DriveKind {
         DriveKind::Any
+    }
+
+    /// Explain: what has to be recorded beside motion and torque, or it cannot be seen.
+    fn needs(&self) -> Option<Needed> {
+        None
     }
 
     /// Explain: N.m at `joint` per unit of each linear parameter, one column of

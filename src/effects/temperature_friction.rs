@@ -5,7 +5,7 @@
 
 use super::coulomb::sign;
 use super::{
-    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+    About, Effect, JointLoad, JointState, Motion, Needed, Parameter, Role, RoundTrip, Scope, Worked,
 };
 
 pub struct TemperatureFriction;
@@ -46,6 +46,10 @@ static ABOUT: About = About {
 impl Effect for TemperatureFriction {
     fn about(&self) -> &'static About {
         &ABOUT
+    }
+
+    fn needs(&self) -> Option<Needed> {
+        Some(Needed::Temperature)
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {

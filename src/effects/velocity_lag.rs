@@ -3,7 +3,8 @@
 //! Seen only where velocity and acceleration are made from the recorded velocity.
 
 use super::{
-    About, Channels, Effect, Motion, Parameter, Role, RoundTrip, Scope, Seen, Shown, Worked, starts,
+    About, Channels, Effect, Motion, Needed, Parameter, Role, RoundTrip, Scope, Seen, Shown,
+    Worked, starts,
 };
 
 pub struct VelocityLag;
@@ -36,6 +37,10 @@ impl Effect for VelocityLag {
 
     fn seen(&self) -> Seen {
         Seen::Channels
+    }
+
+    fn needs(&self) -> Option<Needed> {
+        Some(Needed::Velocity)
     }
 
     fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {

@@ -8,12 +8,11 @@ use rayon::prelude::*;
 
 use super::asked::{Draw, Family};
 use super::case::{CHECK, FIT, TWIN, case_name, new_folder, write_settings, write_text};
-use super::drawn::{ATTEMPTS, hidden, stream, told};
+use super::drawn::{attempts, hidden, told, truth};
 use super::hide::Hiding;
 use super::nuisance::replace;
 use super::plan::{Plan, plans};
 use super::third;
-use super::truth::SCHEMA;
 use super::{Seals, TrialError, Truth, seal, servos};
 use crate::recording::{Recording, write_csv};
 use crate::simulation::{Command, Run, Simulation, SimulationError};
@@ -50,20 +49,11 @@ pub fn draw(how: &Draw, out: &Path, done: &(dyn Fn() + Sync)) -> Result<Seals, T
 
 fn case(how: &Draw, number: usize, plan: &Plan, out: &Path) -> Result<(), TrialError> {
     let name = case_name(number);
-    let mut last = None;
-    for attempt in 0..ATTEMPTS {
-        let mut rng = stream(how.seed, number, attempt);
-        let hiding = Hiding::draw(how, plan, &mut rng, &name)?;
-        if !hiding.shows() && attempt + 1 < ATTEMPTS {
-            continue;
-        }
-        match simulate(hiding) {
-            Ok((hiding, runs)) => return write(how, plan, &name, attempt, &hiding, &runs, out),
-            Err(source) => last = Some(source),
-        }
-    }
-    let source = last.unwrap_or(SimulationError::Stopped { time_s: 0.0 });
-    Err(TrialError::Simulation { case: name, source })
+    let draw = |rng: &mut ChaCha8Rng| Hiding::draw(how, plan, rng, &name);
+    let ran_away = |source| TrialError::Simulation { case: name.clone(), source };
+    let runs = |hiding| simulate(hiding).map_err(ran_away);
+    let (attempt, (hiding, runs)) = attempts(how, number, draw, Hiding::shows, runs)?;
+    write(how, plan, &name, attempt, &hiding, &runs, out)
 }
 
 /// Fit, check and third recording; the strength put right once where the plan was far off.
@@ -109,29 +99,16 @@ fn write(
     write_text(&folder.join(TWIN), &twin.to_toml())?;
     write_settings(&folder, &told(how, plan))?;
     third::write(&hiding.third_recording(third), out, name)?;
-    let truth = Truth {
-        schema: SCHEMA.into(),
-        armtwin: env!("CARGO_PKG_VERSION").into(),
-        case: name.into(),
-        kind: plan.kind,
-        effects: hiding
-            .effects
-            .iter()
-            .map(|e| hidden(&e.injection, &e.strength, setup.robot.dof()))
-            .collect(),
-        family: how.family.name().into(),
-        noise_nm: hiding.noise(fit),
-        third: true,
-        recordings: Vec::new(),
-        base: None,
-        made: serde_json::json!({
-            "draw": how,
-            "attempt": attempt,
-            "scenario": hiding.scenario,
-            "nuisance": hiding.nuisance,
-        }),
-    };
-    seal::write_truth(out, &truth)
+    let dof = setup.robot.dof();
+    let effects = hiding.effects.iter().map(|e| hidden(&e.injection, &e.strength, dof));
+    let made = serde_json::json!({
+        "draw": how,
+        "attempt": attempt,
+        "scenario": hiding.scenario,
+        "nuisance": hiding.nuisance,
+    });
+    let truth = truth(how, plan, name, effects.collect(), made);
+    seal::write_truth(out, &Truth { noise_nm: hiding.noise(fit), third: true, ..truth })
 }
 
 /// Channels a controller's log has; what the twin can work out itself is left away.

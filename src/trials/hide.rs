@@ -5,13 +5,14 @@ use rand_chacha::ChaCha8Rng;
 
 use super::arm::arm;
 use super::asked::{Draw, Family};
+use super::drawn::inject;
 use super::nuisance::Nuisance;
 use super::plan::Plan;
 use super::shapes::{Ground, Shape, Size, shape};
 use super::strength::{over_noise, own_torque, rms};
 use super::third::Third;
 use super::{Strength, TrialError};
-use crate::effects::{Mechanism, Motion};
+use crate::effects::{Mechanism, Motion, Needed};
 use crate::motion::{Sampled, Settings, Trajectory};
 use crate::robot::{Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
@@ -253,13 +254,7 @@ impl Hiding {
         let setup = &mut self.made.setup;
         setup.effects.retain(|i| !names.contains(&i.effect.about().name) || nuisance(i));
         for effect in &self.effects {
-            if effect.shape.replaces_coulomb {
-                let is_coulomb = |i: &&mut Injection| i.effect.about().name == "coulomb";
-                if let Some(coulomb) = setup.effects.iter_mut().find(is_coulomb) {
-                    effect.injection.joints.iter().for_each(|&j| coulomb.values[j][0] = 0.0);
-                }
-            }
-            setup.effects.push(effect.injection.clone());
+            inject(setup, &effect.injection, effect.shape.replaces_coulomb);
         }
     }
 
@@ -352,7 +347,7 @@ impl Hiding {
 
 /// Shows in the recorded velocity and leaves the torque alone.
 fn lags(injection: &Injection) -> bool {
-    injection.effect.about().name == "velocity_lag"
+    injection.effect.needs() == Some(Needed::Velocity)
 }
 
 /// The links' own errors, injected for all joints; a hidden one has its own entry.

@@ -24,16 +24,6 @@ const PARTS: [(Kind, usize); 6] = [
 /// What every twin has open and therefore is no gap.
 const KNOWN: [&str; 2] = ["coulomb", "viscous"];
 
-/// Effects that only recorded currents, velocities, temperatures or a controller can show.
-const UNSEEN_OF_SERVOS: [&str; 6] = [
-    "temperature_friction",
-    "velocity_lag",
-    "quantisation",
-    "controller_mismatch",
-    "torque_saturation",
-    "external_contact",
-];
-
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     pub kind: Kind,
@@ -87,12 +77,13 @@ fn refuse_unknown(only: &[String]) -> Result<(), TrialError> {
     }
 }
 
-/// Effects that show in what is recorded of an arm.
+/// Effects that show in what is recorded of an arm; of servos that is command and position.
 fn of_arm(family: Family) -> impl Iterator<Item = &'static dyn Effect> {
     let servos = family == Family::Servos;
     let other = if servos { DriveKind::Current } else { DriveKind::Servo };
     let shows = move |e: &&dyn Effect| {
-        e.of_drive() != other && !(servos && UNSEEN_OF_SERVOS.contains(&e.about().name))
+        let recorded = e.needs().is_none() && e.seen() != Seen::Simulation;
+        e.of_drive() != other && (recorded || !servos)
     };
     CATALOGUE.iter().copied().filter(shows)
 }

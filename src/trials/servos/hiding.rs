@@ -9,6 +9,7 @@ use crate::simulation::{
     Command, Experiment, Injection, Moved, Run, Scenario, Setup, Simulation, SimulationError,
 };
 use crate::trials::asked::Draw;
+use crate::trials::drawn::inject;
 use crate::trials::plan::Plan;
 use crate::trials::shapes::{Ground, Shape, Size, shape};
 use crate::trials::{Strength, TrialError};
@@ -144,15 +145,4 @@ fn on_desk(scenario: &Scenario) -> Result<Experiment, String> {
     let dof = loaded.robot.dof();
     let drive = scenario.drive.on(&scenario.robot, dof, scenario.servo.as_ref()).map_err(words)?;
     scenario.on(Moved { robot: loaded.robot, drive, known: Vec::new(), notes: loaded.notes })
-}
-
-/// Puts an effect into the arm, in place of what it replaces.
-fn inject(setup: &mut Setup, injection: &Injection, replaces_coulomb: bool) {
-    if replaces_coulomb {
-        let is_coulomb = |i: &&mut Injection| i.effect.about().name == "coulomb";
-        if let Some(coulomb) = setup.effects.iter_mut().find(is_coulomb) {
-            injection.joints.iter().for_each(|&j| coulomb.values[j][0] = 0.0);
-        }
-    }
-    setup.effects.push(injection.clone());
 }

@@ -10,11 +10,13 @@ mod write;
 
 use std::path::Path;
 
+use rand_chacha::ChaCha8Rng;
+
 use self::hiding::Hiding;
 use super::TrialError;
 use super::asked::Draw;
 use super::case::case_name;
-use super::drawn::{ATTEMPTS, stream};
+use super::drawn::attempts;
 use super::plan::Plan;
 
 /// Draws a case into its folder, anew where the effect hardly shows or the arm runs away.
@@ -23,25 +25,12 @@ use super::plan::Plan;
 /// If a file cannot be written, or the arm cannot be simulated.
 pub fn case(how: &Draw, number: usize, plan: &Plan, out: &Path) -> Result<(), TrialError> {
     let name = case_name(number);
-    let mut last = None;
-    for attempt in 0..ATTEMPTS {
-        let mut rng = stream(how.seed, number, attempt);
-        let hiding = match Hiding::draw(how, plan, &mut rng, &name) {
-            Ok(hiding) => hiding,
-            Err(TrialError::Simulation { source, .. }) => {
-                last = Some(source);
-                continue;
-            }
-            Err(other) => return Err(other),
-        };
-        if !hiding.shows() && attempt + 1 < ATTEMPTS {
-            continue;
-        }
-        match hiding.simulate() {
-            Ok(runs) => return write::write(how, plan, &name, attempt, &hiding, &runs, out),
-            Err(source) => last = Some(source),
-        }
-    }
-    let source = last.unwrap_or(crate::simulation::SimulationError::Stopped { time_s: 0.0 });
-    Err(TrialError::Simulation { case: name, source })
+    let draw = |rng: &mut ChaCha8Rng| Hiding::draw(how, plan, rng, &name);
+    let ran_away = |source| TrialError::Simulation { case: name.clone(), source };
+    let runs = |hiding: Hiding| {
+        let runs = hiding.simulate().map_err(ran_away)?;
+        Ok((hiding, runs))
+    };
+    let (attempt, (hiding, runs)) = attempts(how, number, draw, Hiding::shows, runs)?;
+    write::write(how, plan, &name, attempt, &hiding, &runs, out)
 }

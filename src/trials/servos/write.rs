@@ -8,10 +8,9 @@ use crate::recording::write_csv;
 use crate::simulation::{Run, Setup};
 use crate::trials::asked::Draw;
 use crate::trials::case::{CHECK, FIT, ROBOT, TWIN, new_folder, write_settings, write_text};
-use crate::trials::drawn::{hidden, told};
+use crate::trials::drawn::{hidden, told, truth};
 use crate::trials::plan::Plan;
-use crate::trials::truth::SCHEMA;
-use crate::trials::{TrialError, Truth, seal};
+use crate::trials::{TrialError, seal};
 use crate::twin::Twin;
 
 /// A simulation begins where its command does, and the arm sags from there to where its servos hold it, s.
@@ -45,24 +44,12 @@ pub fn write(
     write_text(&folder.join(TWIN), &twin(setup).to_toml())?;
     write_settings(&folder, &told(how, plan))?;
     let dof = setup.robot.dof();
-    let effects = hiding.effects.iter();
-    let truth = Truth {
-        schema: SCHEMA.into(),
-        armtwin: env!("CARGO_PKG_VERSION").into(),
-        case: name.into(),
-        kind: plan.kind,
-        effects: effects.map(|e| hidden(&e.injection, &e.strength, dof)).collect(),
-        family: how.family.name().into(),
-        noise_nm: Vec::new(),
-        third: false,
-        recordings: Vec::new(),
-        base: None,
-        made: serde_json::json!({
-            "draw": how,
-            "attempt": attempt,
-            "scenario": hiding.scenario,
-            "position_noise_rad": position_noise(),
-        }),
-    };
-    seal::write_truth(out, &truth)
+    let effects = hiding.effects.iter().map(|e| hidden(&e.injection, &e.strength, dof));
+    let made = serde_json::json!({
+        "draw": how,
+        "attempt": attempt,
+        "scenario": hiding.scenario,
+        "position_noise_rad": position_noise(),
+    });
+    seal::write_truth(out, &truth(how, plan, name, effects.collect(), made))
 }
