@@ -19,8 +19,12 @@ pub fn axis(panel: &Panel, which: usize) -> Value {
         "zerolinecolor": "--line",
         "linecolor": "--line",
         "exponentformat": "e",
-        "automargin": true,
+        // Only one of them makes room: what both need would depend on each other, and a drawing never settle.
+        "automargin": which == 1,
     });
+    if which == 0 {
+        axis["tickangle"] = json!(0);
+    }
     if scale == Scale::Log {
         axis["type"] = json!("log");
     }
