@@ -93,10 +93,12 @@ impl Study {
             return Err("no [[grid]]: give one, or there is nothing to do".into());
         }
         Terms::named(self.terms.iter().map(String::as_str)).map_err(|e| format!("terms: {e}"))?;
+        let dof = builtin(&self.arm.robot).map(|robot| robot.dof());
         for (number, grid) in self.grid.iter().enumerate() {
-            self.check_grid(grid).map_err(|e| format!("[[grid]] {}: {e}", number + 1))?;
+            let checked = self.check_grid(grid, dof.unwrap_or(usize::MAX));
+            checked.map_err(|e| format!("[[grid]] {}: {e}", number + 1))?;
         }
-        if builtin(&self.arm.robot).is_none() {
+        if dof.is_none() {
             let robot = &self.arm.robot;
             return Err(format!("arm.robot = \"{robot}\": a study takes the built-in arms alone"));
         }
@@ -109,7 +111,7 @@ impl Study {
         Ok(())
     }
 
-    fn check_grid(&self, grid: &Grid) -> Result<(), String> {
+    fn check_grid(&self, grid: &Grid, dof: usize) -> Result<(), String> {
         let allowed = self.question.methods();
         if grid.method.is_empty() {
             return Err("no method: give a list of them".into());
@@ -130,7 +132,6 @@ impl Study {
                 return Err(format!("effect `{name}` needs a table [arm.effects.{name}]"));
             }
         }
-        let dof = self.arm.work_out("[arm]").map_or(usize::MAX, |made| made.setup.robot.dof());
         match grid {
             _ if grid.joints.iter().any(|n| *n == 0 || *n > dof) => {
                 Err(format!("joints: give 1 to {dof}"))
