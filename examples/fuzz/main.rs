@@ -1,7 +1,7 @@
 //! Every reader against damaged and invented files: no panic, no second, no 512 MB.
 //!
 //! cargo run --release --example fuzz -- --seconds 100
-//! cargo run --release --example fuzz -- --executions 10000000 --page docs/fuzzing.md
+//! cargo run --release --example fuzz -- --executions 10000000 --kept target/fuzz --page docs/fuzzing.md
 //! cargo run --release --example fuzz -- mcap --executions 1000000 --seed 7
 //!
 //! Each target runs in a process of its own, so that what kills it is found as well. It mutates seeds (files
@@ -10,6 +10,7 @@
 //! target/fuzz-findings; each becomes a test in src/recording/hostile_tests.rs or beside its reader.
 
 mod bytes;
+mod kept;
 mod make_lerobot;
 mod make_mcap;
 mod make_parquet;
@@ -40,6 +41,9 @@ struct Args {
     seconds: Option<f64>,
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Keep what each target found in this folder, and do not run again what is kept there
+    #[arg(long, value_name = "FOLDER")]
+    kept: Option<PathBuf>,
     /// Write what was found as a page
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
@@ -79,7 +83,16 @@ fn main() -> ExitCode {
         run::alone(chosen[0], &limit, args.seed);
         return ExitCode::SUCCESS;
     }
-    let results: Vec<_> = chosen.iter().map(|t| run::in_a_process(t, &limit, args.seed)).collect();
+    let mut results = Vec::new();
+    for target in chosen {
+        match result(target, &limit, &args) {
+            Ok(result) => results.push(result),
+            Err(error) => {
+                eprintln!("error: {error}");
+                return ExitCode::FAILURE;
+            }
+        }
+    }
     if let Some(path) = &args.page
         && let Err(error) = std::fs::write(path, page::page(&results, args.seed))
     {
@@ -90,4 +103,22 @@ fn main() -> ExitCode {
         true => ExitCode::SUCCESS,
         false => ExitCode::FAILURE,
     }
+}
+
+/// What is kept of the target, else what a run of it finds.
+fn result(
+    target: &targets::Target,
+    limit: &run::Limit,
+    args: &Args,
+) -> std::io::Result<run::Result> {
+    let Some(folder) = &args.kept else {
+        return Ok(run::in_a_process(target, limit, args.seed));
+    };
+    if let Some(known) = kept::known(folder, target.name, limit, args.seed) {
+        println!("{}", known.line());
+        return Ok(known);
+    }
+    let found = run::in_a_process(target, limit, args.seed);
+    kept::keep(folder, &found)?;
+    Ok(found)
 }

@@ -29,6 +29,7 @@ pub struct Limit {
 #[derive(Default, serde::Serialize, serde::Deserialize)]
 pub struct Result {
     pub target: String,
+    pub seed: u64,
     pub executions: u64,
     pub seconds: f64,
     /// Inputs that were read without an error.
@@ -42,7 +43,7 @@ pub struct Result {
 }
 
 impl Result {
-    fn line(&self) -> String {
+    pub fn line(&self) -> String {
         format!(
             "{:<14} {:>10} inputs {:>7.0} s, {:>4.1} % read, {:>5} answers, slowest {:>4.0} ms, {:>4.0} MB \
              asked, {:>4.0} MB resident, {} finding(s)",
@@ -78,7 +79,7 @@ pub fn in_a_process(target: &Target, limit: &Limit, seed: u64) -> Result {
         .and_then(|line| serde_json::from_str(line).ok())
         .unwrap_or_default();
     if !run.status.success() {
-        result.target = target.name.into();
+        (result.target, result.seed) = (target.name.into(), seed);
         let why = String::from_utf8_lossy(&run.stderr);
         let why = why.lines().last().unwrap_or_default();
         let kept = keep(target, &scratch, "died");
@@ -129,7 +130,7 @@ pub fn alone(target: &Target, limit: &Limit, seed: u64) {
     let mut corpus = Corpus::new((target.seeds)());
     std::panic::set_hook(Box::new(|_| {}));
     let mut random = Random(seed ^ 0x5eed);
-    let mut result = Result { target: target.name.into(), ..Result::default() };
+    let mut result = Result { target: target.name.into(), seed, ..Result::default() };
     let (start, mut answers) = (Instant::now(), HashSet::new());
     while result.executions < limit.executions
         && start.elapsed().as_secs_f64() < limit.seconds
