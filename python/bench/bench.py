@@ -88,8 +88,8 @@ def main() -> None:
     identify = median_ms(lambda: at.identify(twin, recording, methods=["nlse"]), 41)
     beside = engine["torque"]
     print("# What Python costs\n")
-    print(f"Printed by `python/bench/bench.py`, armtwin {at.__version__}, Python {platform.python_version()}, numpy")
-    print(f"{np.__version__}; medians of wall-clock times.\n")
+    print(f"Printed by `python/bench/bench.py`, armtwin {at.__version__}, Python {platform.python_version()}, numpy {np.__version__};")
+    print("medians of wall-clock times.\n")
     print(f"| torque along {SAMPLES} samples of six joints | ms | beside the engine |")
     print("| --- | ---: | ---: |")
     print(f"| Rust, `Twin::torque` | {beside:.1f} | 1.00 |")

@@ -319,3 +319,20 @@ fn round(round: &Round) -> RoundEvidence {
         ranked: round.weighed.iter().map(scored).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_a_cause_there_is_no_gap_only_where_nothing_is_left() {
+        let left =
+            |above_noise| Unexplained { rms_nm: 0.1, fraction: 1.0, above_noise, joints: vec![] };
+        let unknown = |probability| {
+            vec![Ranked { effect: "unknown".into(), joints: vec![], probability, nats: 0.0 }]
+        };
+        assert_eq!(Verdict::of(&[], &left(false), &unknown(0.1)), Verdict::NoGap);
+        assert_eq!(Verdict::of(&[], &left(true), &unknown(0.1)), Verdict::Unexplained);
+        assert_eq!(Verdict::of(&[], &left(false), &unknown(0.9)), Verdict::Unexplained);
+    }
+}
