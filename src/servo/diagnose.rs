@@ -8,7 +8,8 @@
 
 use std::collections::BTreeMap;
 
-use super::judge::{is_simulated, prove, refit};
+use super::judge::{is_simulated, leave_out, prove, refit};
+use super::sift::{Sifted, sifted};
 use super::{Free, ServoError, Settings, Track, free_parameters, identify, linearised};
 use crate::diagnosis::{self, Cause, Diagnosis, Traces, diagnose_traced, mend};
 use crate::effects::CATALOGUE;
@@ -50,15 +51,21 @@ pub fn diagnose(
     let (mut diagnosis, traces) =
         diagnose_traced(twin, &seen_fit?, &seen_check?, &with_what_is_simulated(settings), watch)?;
     watch.tell("fitting causes by simulation", 0, 0);
-    let changes = diagnosis.changes();
     let open = open_values(twin, &before.twin);
-    let from =
-        |causes: &[Cause]| refit(&mend(twin, &open, causes), twin, &changes, &fit_track, watch);
-    // Good along one motion, values may still be none that an arm can be led with: then from where no effect is.
-    let after = match from(&changes) {
-        Err(ServoError::Diverged { .. }) => from(&[])?,
-        fitted => fitted?,
+    let fitted = |changes: &[Cause]| {
+        if changes.is_empty() {
+            return Ok(before.clone());
+        }
+        let from = |c: &[Cause]| refit(&mend(twin, &open, c), twin, changes, &fit_track, watch);
+        // Good along one motion, values may still be none that an arm can be led with: then from where no effect is.
+        match from(changes) {
+            Err(ServoError::Diverged { .. }) => from(&[]),
+            fitted => fitted,
+        }
     };
+    let Sifted { fitted: after, left_out } =
+        sifted(twin, diagnosis.changes(), fitted, &check_track)?;
+    leave_out(&mut diagnosis, &left_out);
     let simulated = prove(&mut diagnosis, twin, [before, after], &check_track)?;
     Ok(Found { diagnosis, traces, simulated })
 }

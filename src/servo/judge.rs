@@ -10,7 +10,7 @@ use super::{
 };
 use crate::diagnosis::{
     By, Cause, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink, Value,
-    Verdict, may_be_absent,
+    Verdict, may_be_absent, words,
 };
 use crate::effects::{Effect, Seen, Size, find};
 use crate::follow::Watch;
@@ -18,6 +18,7 @@ use crate::series::JointSeries;
 use crate::twin::Twin;
 
 /// A twin with values fitted by simulation.
+#[derive(Clone)]
 pub struct Refitted {
     pub twin: Twin,
     pub estimates: Vec<Estimate>,
@@ -47,6 +48,10 @@ pub fn refit(
 fn free(start: &Twin, twin: &Twin, causes: &[Cause]) -> Result<Vec<Free>, ServoError> {
     let open: Vec<String> = twin.open().map(|e| e.about().name.to_string()).collect();
     let mut free = free_parameters(start, &open)?;
+    if !causes.is_empty() {
+        // They were fitted without the causes, and what the recording does not tell stays as it is.
+        free = free.into_iter().map(|f| f.near_start(&start.robot)).collect();
+    }
     for cause in causes.iter().filter(|c| find(&c.effect).is_some_and(is_simulated)) {
         let own = free_parameters(start, std::slice::from_ref(&cause.effect))?;
         let acts = |joint: usize| cause.joints.is_empty() || cause.joints.contains(&(joint + 1));
@@ -59,6 +64,19 @@ fn free(start: &Twin, twin: &Twin, causes: &[Cause]) -> Result<Vec<Free>, ServoE
         free.extend(own.into_iter().map(|f| f.near_start(&start.robot)));
     }
     Ok(free)
+}
+
+/// Takes what a simulation does no worse without out of an answer, and says so.
+pub fn leave_out(diagnosis: &mut Diagnosis, left_out: &[Cause]) {
+    let out = |c: &Cause| left_out.iter().any(|l| (&l.effect, &l.joints) == (&c.effect, &c.joints));
+    // Adjustments are told anew, with the values that a simulation gives.
+    let told: Vec<String> = diagnosis.adjustments.iter().map(words::adjustment).collect();
+    diagnosis.notes.retain(|note| !told.contains(note));
+    // What a cause stood for stays.
+    diagnosis.unexplained.above_noise |= diagnosis.causes.iter().any(out);
+    diagnosis.causes.retain(|c| !out(c));
+    diagnosis.adjustments.retain(|c| !out(c));
+    diagnosis.notes.extend(left_out.iter().map(words::left_out));
 }
 
 /// Leads the twin as given and the mended one, and the mended one without each cause, along the command of the
@@ -82,6 +100,7 @@ pub fn prove(
         std::mem::take(&mut diagnosis.causes).into_iter().partition(|c| is_absent(c, twin));
     diagnosis.causes = named;
     diagnosis.adjustments.extend::<Vec<Cause>>(absent);
+    diagnosis.notes.extend(diagnosis.adjustments.iter().map(words::adjustment));
     diagnosis.verdict = Verdict::of(&diagnosis.causes, &diagnosis.unexplained, &diagnosis.ranking);
     let stretches = check.stretches(f64::INFINITY);
     let of = |twin: &Twin| replay(twin, check, &stretches);
@@ -171,7 +190,7 @@ fn stated(twin: &Twin, effect: &str, parameter: &str, joint: Option<usize>) -> f
 }
 
 /// The mended twin with the values of one cause as `twin` has them, all others as they are.
-fn taken_out(mended: &Twin, twin: &Twin, cause: &Cause) -> Twin {
+pub fn taken_out(mended: &Twin, twin: &Twin, cause: &Cause) -> Twin {
     let mut without = mended.clone();
     let acts = |joint: usize| cause.joints.is_empty() || cause.joints.contains(&(joint + 1));
     let Some(effect) = find(&cause.effect) else { return without };

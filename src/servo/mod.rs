@@ -17,6 +17,7 @@ mod plant;
 mod problem;
 mod replay;
 mod sensitivity;
+mod sift;
 mod stick;
 #[cfg(test)]
 mod tests;
