@@ -14,7 +14,7 @@ python3 -m venv "$env"
 
 if [ "${1:-}" = --sdist ]; then
     "$env/bin/maturin" sdist --out "$wheels"
-    "$env/bin/pip" -q wheel --no-deps --no-build-isolation --wheel-dir "$wheels" "$wheels"/armtwin-*.tar.gz
+    PATH=$env/bin:$PATH "$env/bin/pip" -q wheel --no-deps --no-build-isolation --wheel-dir "$wheels" "$wheels"/armtwin-*.tar.gz
 else
     "$env/bin/maturin" build --release --out "$wheels"
 fi
