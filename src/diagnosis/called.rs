@@ -28,8 +28,7 @@ pub fn called<'a>(
 ) -> Called<'a> {
     let confirming: Vec<Candidate> = blind.last.model.causes.iter().map(|t| t.candidate).collect();
     let own = standing(search, judge, found.last.clone(), &confirming);
-    if own.unconfirmed.is_empty() || !search.data.parts.iter().all(|p| p.samples.response.is_some())
-    {
+    if own.unconfirmed.is_empty() || !search.data.is_of_positions() {
         return own;
     }
     let other = standing(search, judge, again(search, blind), &confirming);

@@ -24,7 +24,8 @@ pub struct Refitted {
     pub estimates: Vec<Estimate>,
 }
 
-/// `start` with the values of what `twin` leaves open and of the causes fitted by simulation.
+/// `start` with the values of what `twin` leaves open and of the causes fitted by simulation. Beside causes what is
+/// open stays near `start` where the recording does not tell it.
 ///
 /// # Errors
 /// As [`identify`].
@@ -49,7 +50,7 @@ fn free(start: &Twin, twin: &Twin, causes: &[Cause]) -> Result<Vec<Free>, ServoE
     let open: Vec<String> = twin.open().map(|e| e.about().name.to_string()).collect();
     let mut free = free_parameters(start, &open)?;
     if !causes.is_empty() {
-        // They were fitted without the causes, and what the recording does not tell stays as it is.
+        // They were fitted without the causes already.
         free = free.into_iter().map(|f| f.near_start(&start.robot)).collect();
     }
     for cause in causes.iter().filter(|c| find(&c.effect).is_some_and(is_simulated)) {

@@ -50,8 +50,9 @@ fn idle(
         let all = error(&mended, check)?;
         let without = |change: &Cause| error(&taken_out(&mended, twin, change), check);
         let errors = changes.par_iter().map(without).collect::<Result<Vec<f64>, _>>()?;
-        let best = errors.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-        let Some((worst, _)) = best.filter(|(_, error)| **error <= all) else {
+        // What harms most is what it goes best without.
+        let least = errors.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+        let Some((worst, _)) = least.filter(|(_, error)| **error <= all) else {
             return Ok(idle);
         };
         let change = changes.remove(worst);

@@ -84,7 +84,7 @@ impl Samples {
     }
 }
 
-/// Usable readings that tell something new. One that stays within the encoder's step is one reading however long it
+/// Which of the usable readings `q` of an encoder with this `step` (both rad) tell something new. One that stays within the encoder's step is one reading however long it
 /// stays, with one rounding error: the sample in the middle stands for it, where the error takes no side.
 pub fn fresh(q: &[f64], step: f64, usable: &[bool]) -> Vec<bool> {
     let mut fresh = vec![false; q.len()];

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::asked::{Draw, Family};
 use super::case::{CHECK, FIT, TWIN, case_name, new_folder, write_settings, write_text};
-use super::drawn::{attempts, hidden, told, truth};
+use super::drawn::{attempts, told, truth};
 use super::hide::Hiding;
 use super::nuisance::replace;
 use super::plan::{Plan, plans};
@@ -99,15 +99,14 @@ fn write(
     write_text(&folder.join(TWIN), &twin.to_toml())?;
     write_settings(&folder, &told(how, plan))?;
     third::write(&hiding.third_recording(third), out, name)?;
-    let dof = setup.robot.dof();
-    let effects = hiding.effects.iter().map(|e| hidden(&e.injection, &e.strength, dof));
+    let effects = hiding.effects.iter().map(|e| (&e.injection, &e.strength));
     let made = serde_json::json!({
         "draw": how,
         "attempt": attempt,
         "scenario": hiding.scenario,
         "nuisance": hiding.nuisance,
     });
-    let truth = truth(how, plan, name, effects.collect(), made);
+    let truth = truth(how, plan, name, effects, setup.robot.dof(), made);
     seal::write_truth(out, &Truth { noise_nm: hiding.noise(fit), third: true, ..truth })
 }
 

@@ -66,12 +66,14 @@ pub fn inject(setup: &mut Setup, injection: &Injection, replaces_coulomb: bool) 
     setup.effects.push(injection.clone());
 }
 
-/// The truth of a case with these effects, without noise on a torque and without a third recording.
-pub fn truth(
+/// The truth of a case that hides these in an arm of `dof` joints, without noise on a torque and without a third
+/// recording; `made` is what else made it.
+pub fn truth<'a>(
     how: &Draw,
     plan: &Plan,
     case: &str,
-    effects: Vec<Hidden>,
+    effects: impl Iterator<Item = (&'a Injection, &'a Strength)>,
+    dof: usize,
     made: serde_json::Value,
 ) -> Truth {
     Truth {
@@ -79,7 +81,7 @@ pub fn truth(
         armtwin: env!("CARGO_PKG_VERSION").into(),
         case: case.into(),
         kind: plan.kind,
-        effects,
+        effects: effects.map(|(injection, strength)| hidden(injection, strength, dof)).collect(),
         family: how.family.name().into(),
         noise_nm: Vec::new(),
         third: false,
@@ -90,7 +92,7 @@ pub fn truth(
 }
 
 /// What a case hides, as its truth has it.
-pub fn hidden(injection: &Injection, strength: &Strength, dof: usize) -> Hidden {
+fn hidden(injection: &Injection, strength: &Strength, dof: usize) -> Hidden {
     let about = injection.effect.about();
     let joints: Vec<usize> = injection.joints.iter().map(|j| j + 1).collect();
     let value = |(i, p): (usize, &crate::effects::Parameter)| TrueValue {

@@ -8,7 +8,7 @@ use crate::recording::write_csv;
 use crate::simulation::{Run, Setup};
 use crate::trials::asked::Draw;
 use crate::trials::case::{CHECK, FIT, ROBOT, TWIN, new_folder, write_settings, write_text};
-use crate::trials::drawn::{hidden, told, truth};
+use crate::trials::drawn::{told, truth};
 use crate::trials::plan::Plan;
 use crate::trials::{TrialError, seal};
 use crate::twin::Twin;
@@ -43,13 +43,12 @@ pub fn write(
     let setup = &hiding.made.setup;
     write_text(&folder.join(TWIN), &twin(setup).to_toml())?;
     write_settings(&folder, &told(how, plan))?;
-    let dof = setup.robot.dof();
-    let effects = hiding.effects.iter().map(|e| hidden(&e.injection, &e.strength, dof));
+    let effects = hiding.effects.iter().map(|e| (&e.injection, &e.strength));
     let made = serde_json::json!({
         "draw": how,
         "attempt": attempt,
         "scenario": hiding.scenario,
         "position_noise_rad": position_noise(),
     });
-    seal::write_truth(out, &truth(how, plan, name, effects.collect(), made))
+    seal::write_truth(out, &truth(how, plan, name, effects, setup.robot.dof(), made))
 }
