@@ -248,6 +248,21 @@ fn lengths_in_a_parquet_file_reserve_nothing() {
     refused(read_bytes("a.parquet", &other), &["its metadata are damaged"]);
 }
 
+/// A group that says it has 2^30 children made the decoder ask for 16 GB.
+#[test]
+fn children_of_a_schema_that_do_not_follow_reserve_nothing() {
+    let mut footer = vec![0x15, 2, 0x19, 0x1c];
+    // Name "a", and 2^30 in zigzag.
+    footer.extend([0x48, 1, b'a', 0x15, 0x80, 0x80, 0x80, 0x80, 0x08, 0]);
+    footer.extend([0x16, 0, 0x19, 0x0c, 0]);
+    let mut file = b"PAR1".to_vec();
+    file.extend(&footer);
+    file.extend((footer.len() as u32).to_le_bytes());
+    file.extend(b"PAR1");
+    let missing = "1073741824 columns of its schema do not follow";
+    refused(read_bytes("a.parquet", &file), &["not a Parquet file", missing]);
+}
+
 /// A schema of groups in groups made the decoder call itself until the stack ended.
 #[test]
 fn groups_in_groups_end() {

@@ -194,6 +194,7 @@ pub fn footer(mut file: &File) -> Result<(), Refused> {
         _ => {}
     })?;
     COLUMNS.allow(schema.elements / ELEMENTS_PER_COLUMN)?;
+    schema.refuse_missing()?;
     Ok(NESTING.allow(schema.deepest as u64)?)
 }
 
@@ -220,6 +221,14 @@ impl Schema {
             self.open.push(children);
         }
         self.deepest = self.deepest.max(self.open.len());
+    }
+
+    /// The decoder makes room for as many children as a group says it has.
+    fn refuse_missing(&self) -> Result<(), Refused> {
+        match self.open.iter().fold(0, |sum: i64, left| sum.saturating_add((*left).max(0))) {
+            0 => Ok(()),
+            missing => Err(format!("{missing} columns of its schema do not follow").into()),
+        }
     }
 }
 
