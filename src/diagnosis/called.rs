@@ -15,11 +15,11 @@ pub struct Called<'a> {
     pub gains: Vec<Gain>,
     /// What both recordings show together, and the fit recording alone does not.
     pub unconfirmed: Vec<Candidate>,
+    /// Where a proof decided: what it cannot tell from each cause.
+    pub equals: Option<Vec<Vec<Candidate>>>,
 }
 
-/// What stands of the search of both recordings. Where two models of the gap are about as good the search of the fit
-/// recording alone (`blind`) may have chosen another one, which leaves causes of the first unconfirmed: then what stands
-/// of either, whichever explains both recordings better; where positions are explained, for a simulation proves it then.
+/// What stands of the search of both recordings.
 pub fn called<'a>(
     search: &Hypotheses<'a>,
     judge: &Judge<'_>,
@@ -27,21 +27,7 @@ pub fn called<'a>(
     blind: &Found<'_>,
 ) -> Called<'a> {
     let confirming: Vec<Candidate> = blind.last.model.causes.iter().map(|t| t.candidate).collect();
-    let own = standing(search, judge, found.last.clone(), &confirming);
-    if own.unconfirmed.is_empty() || !search.data.is_of_positions() {
-        return own;
-    }
-    let other = standing(search, judge, again(search, blind), &confirming);
-    match search.worth(&other.fit) > search.worth(&own.fit) {
-        true => Called { unconfirmed: own.unconfirmed, ..other },
-        false => own,
-    }
-}
-
-/// The model of another search with values of the recordings of this one.
-fn again<'a>(search: &Hypotheses<'a>, other: &Found<'_>) -> Fit<'a> {
-    let joints: Vec<usize> = (0..search.data.joints()).collect();
-    search.tuned(Fit::plain(search.data, other.last.model.clone()), &joints)
+    standing(search, judge, found.last.clone(), &confirming)
 }
 
 /// Causes that are more probable than not, gain on the check recording, and sit at no bound: what does not is
@@ -75,7 +61,7 @@ fn standing<'a>(
         };
         let is_open = |i: &usize| law(i) && !chosen(i);
         let Some(i) = (0..count).filter(is_open).min_by(least) else {
-            return Called { fit, standings, gains, unconfirmed };
+            return Called { fit, standings, gains, unconfirmed, equals: None };
         };
         unconfirmed.push(fit.model.causes[i].candidate);
         fit = search.without(&fit, i);

@@ -68,11 +68,6 @@ impl<'a> Data<'a> {
         Self { watch, ..self }
     }
 
-    /// Are positions explained, and not torque?
-    pub fn is_of_positions(&self) -> bool {
-        self.parts.iter().all(|p| p.samples.response.is_some())
-    }
-
     pub fn joints(&self) -> usize {
         self.features.len()
     }

@@ -21,6 +21,8 @@ pub struct Findings<'a> {
     pub gains: Vec<Gain>,
     /// What both recordings show together, and the fit recording alone does not.
     pub unconfirmed: Vec<Candidate>,
+    /// Where a proof decided: what it cannot tell from each cause.
+    pub equals: Option<Vec<Vec<Candidate>>>,
     /// What a search of the fit recording alone says of the check.
     pub held: HeldOut,
     pub fit: &'a Observed<'a>,

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Cause, Value};
+use super::{Cause, Change, Value};
 use crate::effects::{self, CATALOGUE, Effect, Parameter, Role, Scope};
 use crate::twin::Twin;
 
@@ -12,13 +12,19 @@ use crate::twin::Twin;
 /// inertia goes to the drive: a fitted one replaces the drive's. What enters linearly is added to
 /// what is there (a drive's rotor, a link's fitted mass).
 pub fn mend(twin: &Twin, fitted: &BTreeMap<String, Vec<f64>>, causes: &[Cause]) -> Twin {
+    let changes: Vec<Change> = causes.iter().map(Change::from).collect();
+    changed(twin, fitted, &changes)
+}
+
+/// The same of changes that are no causes yet.
+pub fn changed(twin: &Twin, fitted: &BTreeMap<String, Vec<f64>>, changes: &[Change]) -> Twin {
     let mut mended = twin.clone();
     for (name, values) in fitted.iter().filter(|(_, v)| v.iter().all(|v| v.is_finite())) {
         mended.values.insert(name.clone(), values.clone());
         list(&mut mended, name);
     }
-    for cause in causes {
-        add(&mut mended, cause);
+    for change in changes {
+        add(&mut mended, change);
     }
     mended.settle_drive();
     keep_physical(&mut mended);
@@ -34,15 +40,15 @@ fn list(twin: &mut Twin, parameter: &str) {
     }
 }
 
-fn add(twin: &mut Twin, cause: &Cause) {
-    let Some(effect) = effects::find(&cause.effect) else { return };
+fn add(twin: &mut Twin, change: &Change) {
+    let Some(effect) = effects::find(&change.effect) else { return };
     let about = effect.about();
     let dof = twin.robot.dof();
     let count = if about.scope == Scope::Arm { 1 } else { dof };
     let at: Vec<usize> = match about.scope {
         Scope::Arm => vec![0],
-        _ if cause.joints.is_empty() => (0..dof).collect(),
-        _ => places(cause).into_iter().filter(|j| *j < dof).collect(),
+        _ if change.joints.is_empty() => (0..dof).collect(),
+        _ => places(change).into_iter().filter(|j| *j < dof).collect(),
     };
     // References follow from the other values where they are not given.
     for p in about.parameters.iter().filter(|p| !p.is_reference()) {
@@ -53,9 +59,9 @@ fn add(twin: &mut Twin, cause: &Cause) {
         let values = values.or_insert_with(|| (0..count).map(without).collect());
         for (j, value) in values.iter_mut().enumerate().filter(|(j, _)| at.contains(j)) {
             let here = |v: &&Value| v.joint.is_none_or(|joint| joint == j + 1);
-            let of_cause = |v: &&Value| v.name == p.name && v.value.is_finite() && here(v);
-            let Some(found) = cause.parameters.iter().find(of_cause) else { continue };
-            let adds = p.role == Role::Linear && cause.replaces.is_none();
+            let of_change = |v: &&Value| v.name == p.name && v.value.is_finite() && here(v);
+            let Some(found) = change.parameters.iter().find(of_change) else { continue };
+            let adds = p.role == Role::Linear && !change.replaces;
             *value = if adds { *value + found.value } else { found.value };
         }
     }
@@ -64,10 +70,10 @@ fn add(twin: &mut Twin, cause: &Cause) {
     }
 }
 
-/// Joints, from 0, that a cause has values for.
-fn places(cause: &Cause) -> Vec<usize> {
-    let own: BTreeSet<usize> = cause.parameters.iter().filter_map(|v| v.joint).collect();
-    let named = cause.joints.iter().copied().filter(|_| own.is_empty());
+/// Joints, from 0, that a change has values for.
+fn places(change: &Change) -> Vec<usize> {
+    let own: BTreeSet<usize> = change.parameters.iter().filter_map(|v| v.joint).collect();
+    let named = change.joints.iter().copied().filter(|_| own.is_empty());
     own.iter().copied().chain(named).map(|j| j - 1).collect()
 }
 

@@ -7,6 +7,7 @@ mod built;
 mod by;
 mod called;
 mod candidate;
+mod change;
 mod conditioning;
 mod criteria;
 mod data;
@@ -33,6 +34,7 @@ mod model;
 mod newton;
 mod observed;
 mod profile;
+mod proved;
 mod ranking;
 mod reasons;
 mod refine;
@@ -58,16 +60,18 @@ pub use answer::{
     Rejected, Replaced, RoundEvidence, Scored, Shrink, SimulationShrink, TorqueShrink, Unexplained,
     UnexplainedJoint, Untestable, Value, Verdict,
 };
+pub use bootstrap::interval;
 pub use by::{By, JointPositionShrink, Position, PositionShrink};
+pub use change::Change;
 pub use conditioning::conditioning;
 pub use criteria::Criteria;
 pub use episodes::{Episode, Touch};
 pub use experiment::TWIN;
 pub use floor::{Floor, FloorFrom, noise_floor};
 pub use gap::gap;
-pub use intervals::may_be_absent;
 pub use locate::locate;
-pub use mend::mend;
+pub use mend::{changed, mend};
+pub use proved::{Proof, Stands};
 pub use reasons::by_reason;
 pub use shrink::{BeforeAfter, torque_shrink};
 pub use traces::{Held, JointTraces, Traces};
@@ -113,6 +117,8 @@ pub enum DiagnosisError {
     Recording(String),
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
+    #[error(transparent)]
+    Proof(Box<dyn std::error::Error + Send + Sync>),
 }
 
 impl DiagnosisError {
@@ -155,6 +161,22 @@ pub fn diagnose_traced(
     stoppable(watch, || with_guard(twin, fit, check, settings, watch))?
 }
 
+/// As [`diagnose_traced`], where `proof` takes the place of the check recording's torque.
+///
+/// # Errors
+/// As [`diagnose`], and if it is ended or `proof` fails.
+pub fn diagnose_proved(
+    twin: &Twin,
+    fit: &Samples,
+    check: &Samples,
+    settings: &Settings,
+    proof: &mut Proof<'_>,
+    watch: &dyn Watch,
+) -> Result<(Diagnosis, Traces), DiagnosisError> {
+    let samples = [twin.correct(fit), twin.correct(check)];
+    stoppable(watch, || once(twin, &samples, settings, Some(proof), watch))?
+}
+
 fn with_guard(
     twin: &Twin,
     fit: &Samples,
@@ -163,7 +185,7 @@ fn with_guard(
     watch: &dyn Watch,
 ) -> Result<(Diagnosis, Traces), DiagnosisError> {
     let samples = [twin.correct(fit), twin.correct(check)];
-    let first = once(twin, &samples, settings, watch)?;
+    let first = once(twin, &samples, settings, None, watch)?;
     // A torque that is recorded late shows that of the standing joint when it slides again.
     let guard_s = LATE * delay_s(&first.0);
     if samples.iter().all(|s| s.conditioning.guard_s >= guard_s - 0.5 * s.dt) {
@@ -173,7 +195,7 @@ fn with_guard(
         s.conditioning.guard_s = s.conditioning.guard_s.max(guard_s);
         s
     });
-    once(twin, &fewer, settings, watch)
+    once(twin, &fewer, settings, None, watch)
 }
 
 /// Multiple of the torque's delay that is left out beside standstill: the first one found is too short for
@@ -190,6 +212,7 @@ fn once(
     twin: &Twin,
     samples: &[Samples; 2],
     settings: &Settings,
+    proof: Option<&mut Proof<'_>>,
     watch: &dyn Watch,
 ) -> Result<(Diagnosis, Traces), DiagnosisError> {
     let floors = samples.each_ref().map(|s| noise_floor(s, twin));
@@ -210,7 +233,8 @@ fn once(
     let both = search(&both, &[0, 1]);
     let alone = search(&alone, &[0]);
     let floor = floors[1].clone();
-    let findings = findings::Findings::new(&both, &alone, judge, [&fit, &check], floor, settings);
+    let findings =
+        findings::Findings::new(&both, &alone, judge, [&fit, &check], floor, settings, proof)?;
     let mut answer = findings.answer();
     let mended = mend(twin, &answer.fitted, &answer.changes());
     touches::touched(&mended, samples, &mut answer.episodes)?;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::answer::{Replaced, Unexplained};
 use super::called::{Called, called};
-use super::candidate::Place;
+use super::candidate::{Candidate, Place};
 use super::criteria::Criteria;
 use super::episodes::{Episode, episodes};
 use super::findings::Findings;
@@ -15,14 +15,15 @@ use super::judge::Judge;
 use super::kinematics::{self, Lagging};
 use super::model::Model;
 use super::observed::Observed;
+use super::proved::{SURE, proved};
 use super::ranking::{self, named};
 use super::search::{Found, Round, Weighed, search};
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
-    By, Cause, Checked, Diagnosis, Floor, Ranked, Rejected, RoundEvidence, Scored, Settings,
-    Shrink, Value, Verdict, experiment, gap, intervals, link_masses, links, slow, torque_shrink,
-    words,
+    By, Cause, Change, Checked, Diagnosis, DiagnosisError, Floor, Proof, Ranked, Rejected,
+    RoundEvidence, Scored, Settings, Shrink, Value, Verdict, experiment, gap, intervals,
+    link_masses, links, slow, torque_shrink, words,
 };
 use crate::effects::Role;
 
@@ -37,31 +38,43 @@ impl<'a> Findings<'a> {
         [fit, check]: [&'a Observed<'a>; 2],
         floor: Vec<Floor>,
         settings: &'a Settings,
-    ) -> Self {
+        proof: Option<&mut Proof<'_>>,
+    ) -> Result<Self, DiagnosisError> {
         let ((found, alone), lagging) = rayon::join(
             || rayon::join(|| search(both), || search(blind)),
             || kinematics::lagging(fit, check, settings),
         );
-        // So many values are for both searches to ask for.
-        let asked =
-            rayon::join(|| links::with_links(blind, &alone), || links::with_links(both, &found));
         let seen = |(alone, found): (Found<'a>, Found<'a>)| {
             let held = HeldOut::new(&alone.last, check);
             let called = called(both, &judge, &found, &alone);
             (found, held, called)
         };
-        // Links that do not stand on the check recording must not have driven out what would.
-        let links = asked.0.zip(asked.1).map(seen).filter(|(_, _, c)| links::stand(&c.fit));
-        let (found, held, called) = links.unwrap_or_else(|| seen((alone, found)));
-        let Called { fit: last, standings, gains, unconfirmed } = called;
+        let (found, held, called) = match proof {
+            Some(proof) => {
+                let called = proved(both, &judge, [&found, &alone], proof)?;
+                (found, HeldOut::new(&alone.last, check), called)
+            }
+            None => {
+                // So many values are for both searches to ask for.
+                let asked = rayon::join(
+                    || links::with_links(blind, &alone),
+                    || links::with_links(both, &found),
+                );
+                // Links that do not stand on the check recording must not have driven out what would.
+                let links = asked.0.zip(asked.1).map(seen).filter(|(_, _, c)| links::stand(&c.fit));
+                links.unwrap_or_else(|| seen((alone, found)))
+            }
+        };
+        let Called { fit: last, standings, gains, unconfirmed, equals } = called;
         let alone = Fit::plain(blind.data, Model::of(fit.twin));
-        Self {
+        Ok(Self {
             search: both,
             found,
             last,
             standings,
             gains,
             unconfirmed,
+            equals,
             held,
             fit,
             check,
@@ -69,7 +82,7 @@ impl<'a> Findings<'a> {
             floor,
             lagging,
             settings,
-        }
+        })
     }
 
     fn criteria(&self) -> &Criteria {
@@ -124,8 +137,11 @@ impl<'a> Findings<'a> {
         let inside = |i: &usize| values[*i].first().is_none_or(|v| !v.at_bound);
         let effect = |i: usize| self.last.model.causes[i].candidate.effect;
         let absent = |i: &usize| intervals::may_be_absent(effect(*i), &values[*i]);
-        let (unsure, sure): (Vec<usize>, Vec<usize>) =
-            (0..self.standings.len()).filter(inside).partition(absent);
+        let all = 0..self.standings.len();
+        let (unsure, sure): (Vec<usize>, Vec<usize>) = match self.equals {
+            Some(_) => (Vec::new(), all.collect()),
+            None => all.filter(inside).partition(absent),
+        };
         [sure, unsure].map(|some| {
             let mut all: Vec<Cause> = some.iter().map(|i| self.cause(*i, &values[*i])).collect();
             all.sort_by(|a, b| taken(&b.shrink).total_cmp(&taken(&a.shrink)));
@@ -139,21 +155,18 @@ impl<'a> Findings<'a> {
         let about = candidate.effect.about();
         let twin = self.check.twin;
         let stated = candidate.stated(twin);
-        let mut parameters = values.to_vec();
-        let linear = about.parameters.iter().filter(|p| p.role == Role::Linear);
-        for ((value, _), has) in parameters.iter_mut().zip(linear).zip(&stated) {
-            value.value += has;
-            value.low += has;
-            value.high += has;
-        }
+        let Change { joints, parameters, .. } = Change::of(candidate, values, twin);
         let replaces = stated
             .first()
             .map(|has| Replaced { parameter: about.parameters[0].name.into(), twin: *has });
         Cause {
             effect: about.name.into(),
-            joints: links::told(candidate, &parameters),
+            joints,
             probability: self.probability(i),
-            equivalent: ranking::equivalents(standing, self.criteria()),
+            equivalent: match &self.equals {
+                Some(equals) => equals[i].iter().copied().map(named).collect(),
+                None => ranking::equivalents(standing, self.criteria()),
+            },
             parameters,
             shrink: self.gains[i].shrink,
             replaces,
@@ -168,7 +181,10 @@ impl<'a> Findings<'a> {
     }
 
     fn probability(&self, i: usize) -> f64 {
-        let probability = ranking::probability(&self.standings[i], self.criteria());
+        let probability = match self.equals {
+            Some(_) => SURE,
+            None => ranking::probability(&self.standings[i], self.criteria()),
+        };
         let candidate = self.last.model.causes[i].candidate;
         ranking::replicated(probability, candidate, &self.gains[i], self.criteria())
     }
@@ -236,8 +252,10 @@ impl<'a> Findings<'a> {
     fn notes(&self, adjustments: &[Cause]) -> Vec<String> {
         let mut notes: Vec<String> = self.lagging.iter().map(Lagging::says).collect();
         notes.extend(adjustments.iter().map(words::adjustment));
+        let is_equal = |c: &Candidate| self.equals.iter().flatten().flatten().any(|e| e == c);
+        let causes = self.found.last.model.causes.iter();
         let dropped =
-            self.found.last.model.causes.iter().filter(|t| !self.last.model.has(t.candidate));
+            causes.filter(|t| !self.last.model.has(t.candidate) && !is_equal(&t.candidate));
         for term in dropped {
             let why = match self.unconfirmed.contains(&term.candidate) {
                 true => "both recordings together show it, the fit recording alone does not",

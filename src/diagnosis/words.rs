@@ -251,16 +251,6 @@ pub fn adjustment(a: &Cause) -> String {
     )
 }
 
-/// `servo_offset at joint 3 fits, but ...`
-pub fn left_out(cause: &Cause) -> String {
-    format!(
-        "{} at {} fits, but led along the command of the check recording the twin comes no nearer to the position \
-         with it: it is left out",
-        cause.effect,
-        place(&cause.joints)
-    )
-}
-
 /// What is told of a cause first: its first value; of many links that of the link that is off the most, as
 /// far as the data tell one, else the value that they tell best.
 pub fn foremost(cause: &Cause) -> Option<&Value> {

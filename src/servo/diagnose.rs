@@ -6,12 +6,11 @@
 //! far the twin is off, the second is small, so that its sensitivities are good. Values of what is found are then
 //! fitted by simulation, too.
 
-use std::collections::BTreeMap;
-
-use super::judge::{is_simulated, leave_out, prove, refit};
-use super::sift::{Sifted, sifted};
+use super::judge::prove;
+use super::refit::{Refits, is_simulated};
+use super::sift::{Sieve, Sifted};
 use super::{Free, ServoError, Settings, Track, free_parameters, identify, linearised};
-use crate::diagnosis::{self, Cause, Diagnosis, Traces, diagnose_traced, mend};
+use crate::diagnosis::{self, Change, Diagnosis, Traces, diagnose_proved};
 use crate::effects::CATALOGUE;
 use crate::follow::Watch;
 use crate::series::JointSeries;
@@ -43,30 +42,26 @@ pub fn diagnose(
     let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
     let [fit_track, check_track] = [Track::new(fit, servo)?, Track::new(check, servo)?];
     watch.tell("fitting what the twin leaves open", 0, 0);
-    let before = refit(twin, twin, &[], &fit_track, watch)?;
-    let near = following(&before.twin, &fit_track, watch)?;
-    watch.tell("searching for what the twin lacks", 0, 0);
+    let refits = Refits::new(twin, &fit_track, watch)?;
+    let near = following(&refits.before.twin, &fit_track, watch)?;
     let horizon_s = Settings::default().horizon_s;
     let [seen_fit, seen_check] = [fit, check].map(|s| linearised(&near, s, horizon_s));
-    let (mut diagnosis, traces) =
-        diagnose_traced(twin, &seen_fit?, &seen_check?, &with_what_is_simulated(settings), watch)?;
-    watch.tell("fitting causes by simulation", 0, 0);
-    let open = open_values(twin, &before.twin);
-    let fitted = |changes: &[Cause]| {
-        if changes.is_empty() {
-            return Ok(before.clone());
+    let (mut after, mut taken) = (refits.before.clone(), Vec::new());
+    let mut proof = |found: &[Change]| {
+        watch.tell("fitting causes by simulation", 0, 0);
+        let sieve = Sieve { fit: &fit_track, check: &check_track, refits: &refits, settings };
+        let Sifted { stand, twin } = sieve.sift(found)?;
+        taken = stand.iter().map(|s| found[s.index].clone()).collect();
+        if !taken.is_empty() {
+            after = sieve.in_full(&twin, &taken)?;
         }
-        let from = |c: &[Cause]| refit(&mend(twin, &open, c), twin, changes, &fit_track, watch);
-        // Good along one motion, values may still be none that an arm can be led with: then from where no effect is.
-        match from(changes) {
-            Err(ServoError::Diverged { .. }) => from(&[]),
-            fitted => fitted,
-        }
+        Ok(stand)
     };
-    let Sifted { fitted: after, left_out } =
-        sifted(twin, diagnosis.changes(), fitted, &check_track)?;
-    leave_out(&mut diagnosis, &left_out);
-    let simulated = prove(&mut diagnosis, twin, [before, after], &check_track)?;
+    watch.tell("searching for what the twin lacks", 0, 0);
+    let settings = with_what_is_simulated(settings);
+    let (mut diagnosis, traces) =
+        diagnose_proved(twin, &seen_fit?, &seen_check?, &settings, &mut proof, watch)?;
+    let simulated = prove(&mut diagnosis, twin, [&refits.before, &after], &taken, &check_track)?;
     Ok(Found { diagnosis, traces, simulated })
 }
 
@@ -75,12 +70,6 @@ fn following(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, ServoE
     let free = free_parameters(twin, &FOLLOWING.map(String::from))?;
     let free: Vec<Free> = free.into_iter().map(|f| f.near_start(&twin.robot)).collect();
     Ok(identify(twin, &[fit], &free, &Settings::default(), watch)?.twin)
-}
-
-/// Values of `fitted` for what `twin` leaves open.
-fn open_values(twin: &Twin, fitted: &Twin) -> BTreeMap<String, Vec<f64>> {
-    let open = twin.open().flat_map(|e| e.about().parameters).map(|p| p.name);
-    open.filter_map(|name| Some((name.into(), fitted.values.get(name)?.clone()))).collect()
 }
 
 /// What is not simulated here (what gives way between motor and link, a contact that lasts a while) cannot be

@@ -43,3 +43,13 @@ pub enum ServoError {
     #[error("nothing is left open to fit: name effects with --terms or --with")]
     NothingToFit,
 }
+
+impl From<ServoError> for DiagnosisError {
+    fn from(error: ServoError) -> Self {
+        match error {
+            ServoError::Diagnosis(error) => error,
+            ServoError::Interrupted(interrupted) => interrupted.into(),
+            other => Self::Proof(Box::new(other)),
+        }
+    }
+}

@@ -8,9 +8,9 @@ use super::problem::Problem;
 use super::{ServoError, Track, replay};
 use crate::effects::of_drive;
 use crate::follow::{Watch, go_on, stoppable};
-use crate::identification::levenberg_marquardt::{Residuals, Settings as Search, Stop, minimise};
+use crate::identification::levenberg_marquardt::{self as minimiser, Residuals, Stop};
 use crate::regression::bounds::Bounds;
-use crate::statistics::infer;
+use crate::statistics::{effective_samples, infer};
 use crate::twin::Twin;
 
 /// Choices of a fit; echoed in every output.
@@ -48,6 +48,24 @@ pub struct Estimate {
     pub identifiable: bool,
 }
 
+impl Estimate {
+    /// The value a search begins with, of which nothing is known.
+    pub(super) fn untold(free: &Free) -> Self {
+        Self {
+            effect: free.effect.about().name,
+            name: free.parameter.name,
+            unit: free.parameter.unit,
+            joint: free.joint.map(|j| j + 1),
+            value: free.start,
+            low: f64::NEG_INFINITY,
+            high: f64::INFINITY,
+            p: 1.0,
+            at_bound: false,
+            identifiable: false,
+        }
+    }
+}
+
 /// What came of it.
 #[derive(Debug, Clone)]
 pub struct Fitted {
@@ -63,13 +81,13 @@ pub struct Fitted {
     pub stop: Stop,
 }
 
-/// The first round takes stretches of this share: where a joint sticks a little earlier or later the error of
-/// long ones jumps, that of short ones hardly.
-const SHORT: f64 = 0.1;
-/// Rounds over stretches of full length: each joint weighs by what the last one left of it.
-const ROUNDS: usize = 2;
+/// Rounds over stretches of these shares of the longest: where a joint sticks a little earlier or later the error of
+/// long ones jumps, that of short ones hardly. The second long round has weights by what the first left.
+const STRETCHES: [f64; 3] = [0.1, 1.0, 1.0];
 /// Evaluations of the last round, by differences between simulations.
 const LAST: usize = 8;
+/// Sums of neighbouring rows whose correlation is looked at: every pair of them is.
+const MOST_BINS: usize = 2000;
 /// Shortest recording, s.
 const SHORTEST_S: f64 = 1.0;
 
@@ -84,18 +102,12 @@ pub fn identify(
     settings: &Settings,
     watch: &dyn Watch,
 ) -> Result<Fitted, ServoError> {
-    if free.is_empty() {
-        return Err(ServoError::NothingToFit);
-    }
-    let problem = Problem::new(twin, tracks, free, settings.horizon_s);
-    let seconds = problem.samples() as f64 * tracks.first().map_or(0.0, |t| t.dt);
-    if seconds < SHORTEST_S {
-        return Err(ServoError::TooShort { seconds, needed: SHORTEST_S });
-    }
-    let x: Vec<f64> = free.iter().map(|f| f.start).collect();
-    let before = gaps(&with_values(twin, free, &x), tracks, settings)?;
-    let (mut problem, x, evaluations, stop) =
-        stoppable(watch, || search(problem, x, settings, watch))?;
+    let mut problem = posed(twin, tracks, free, settings)?;
+    let before = gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
+    let Search { x, evaluations, stop } = stoppable(watch, || {
+        let near = by_sensitivity(&mut problem, &STRETCHES, settings, watch);
+        by_differences(&mut problem, near, settings)
+    })?;
     // What the recordings say, whatever was expected.
     problem.with_priors = false;
     let estimates = estimates(&problem, &x, settings)?;
@@ -108,47 +120,102 @@ pub fn identify(
     Ok(Fitted { estimates, twin: settled(fitted), before, after, samples, cost, evaluations, stop })
 }
 
-/// Rounds, the first over short stretches, each joint weighed by what the last one left of it.
-fn search<'a>(
-    mut problem: Problem<'a>,
-    mut x: Vec<f64>,
+/// The twin with values near those of [`identify`], in a fraction of its time: what sticking makes of them is left out,
+/// and what the recordings say of each. Begins with stretches of the first of these shares of the longest, ends with
+/// the last.
+///
+/// # Errors
+/// As [`identify`].
+pub fn approach(
+    twin: &Twin,
+    tracks: &[&Track],
+    free: &[Free],
+    (stretches, settings): (&[f64], &Settings),
+    watch: &dyn Watch,
+) -> Result<Twin, ServoError> {
+    let mut problem = posed(twin, tracks, free, settings)?;
+    gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
+    let found = stoppable(watch, || by_sensitivity(&mut problem, stretches, settings, watch))?;
+    Ok(settled(with_values(twin, free, &found.x)))
+}
+
+fn posed<'a>(
+    twin: &'a Twin,
+    tracks: &'a [&'a Track],
+    free: &'a [Free],
+    settings: &Settings,
+) -> Result<Problem<'a>, ServoError> {
+    if free.is_empty() {
+        return Err(ServoError::NothingToFit);
+    }
+    let problem = Problem::new(twin, tracks, free, settings.horizon_s);
+    let seconds = problem.samples() as f64 * tracks.first().map_or(0.0, |t| t.dt);
+    if seconds < SHORTEST_S {
+        return Err(ServoError::TooShort { seconds, needed: SHORTEST_S });
+    }
+    Ok(problem)
+}
+
+fn starts(free: &[Free]) -> Vec<f64> {
+    free.iter().map(|f| f.start).collect()
+}
+
+/// Where a search is.
+struct Search {
+    x: Vec<f64>,
+    evaluations: usize,
+    stop: Stop,
+}
+
+/// A round over stretches of each of these shares, each joint weighed by what the last round left of it.
+fn by_sensitivity(
+    problem: &mut Problem<'_>,
+    stretches: &[f64],
     settings: &Settings,
     watch: &dyn Watch,
-) -> (Problem<'a>, Vec<f64>, usize, Stop) {
-    let bounds = Bounds::new(
-        problem.free.iter().map(|f| f.min).collect(),
-        problem.free.iter().map(|f| f.max).collect(),
-    )
-    .unwrap_or_else(|_| Bounds::unbounded(x.len()));
-    let search = Search {
-        // Less than one recording tells from the next.
+) -> Search {
+    let mut found = Search { x: starts(problem.free), evaluations: 0, stop: Stop::Evaluations };
+    for share in stretches {
+        let horizon_s = share * settings.horizon_s;
+        *problem = Problem::new(problem.twin, problem.tracks, problem.free, horizon_s);
+        problem.by_sensitivity = true;
+        go_on(watch);
+        let errors = problem.errors(&found.x);
+        problem.weights = weights(problem, &errors);
+        problem.prior_weight = rows_per_independent(problem, &errors).sqrt();
+        found = minimised(problem, found, settings.max_evaluations / stretches.len());
+    }
+    found
+}
+
+/// What neighbouring joints and moments of sticking make of it besides.
+fn by_differences(problem: &mut Problem<'_>, near: Search, settings: &Settings) -> Search {
+    problem.by_sensitivity = false;
+    let stop = near.stop;
+    let found = minimised(problem, near, LAST.min(settings.max_evaluations));
+    if stop.converged() { Search { stop, ..found } } else { found }
+}
+
+fn minimised(problem: &Problem<'_>, from: Search, max_evaluations: usize) -> Search {
+    let free = problem.free;
+    let bounds =
+        Bounds::new(free.iter().map(|f| f.min).collect(), free.iter().map(|f| f.max).collect())
+            .unwrap_or_else(|_| Bounds::unbounded(free.len()));
+    // Less than one recording tells from the next.
+    let settings = minimiser::Settings {
         cost_tolerance: 1e-4,
         step_tolerance: 1e-4,
         gradient_tolerance: 1e-8,
-        max_evaluations: settings.max_evaluations / (1 + ROUNDS),
+        max_evaluations,
     };
-    let mut short =
-        Problem::new(problem.twin, problem.tracks, problem.free, SHORT * settings.horizon_s);
-    (short.by_sensitivity, problem.by_sensitivity) = (true, true);
-    let (mut evaluations, mut stop) = (0, Stop::Evaluations);
-    for round in 0..=ROUNDS {
-        let problem = if round == 0 { &mut short } else { &mut problem };
-        go_on(watch);
-        problem.weights = weights(problem, &x);
-        let found = minimise(problem, &x, &bounds, &search);
-        evaluations += found.evaluations;
-        (x, stop) = (found.x, found.stop);
-    }
-    // What neighbouring joints and moments of sticking make of it besides.
-    problem.by_sensitivity = false;
-    let found = minimise(&problem, &x, &bounds, &Search { max_evaluations: LAST, ..search });
-    let stop = if stop.converged() { stop } else { found.stop };
-    (problem, found.x, evaluations + found.evaluations, stop)
+    let found = minimiser::minimise(problem, &from.x, &bounds, &settings);
+    let evaluations = from.evaluations + found.evaluations;
+    Search { x: found.x, evaluations, stop: found.stop }
 }
 
 /// 1 / rms of each joint's errors, rounding counted among them.
-fn weights(problem: &Problem<'_>, x: &[f64]) -> Vec<f64> {
-    let (errors, rows) = (problem.errors(x), problem.samples());
+fn weights(problem: &Problem<'_>, errors: &[f64]) -> Vec<f64> {
+    let rows = problem.samples();
     let resolution = |j: usize| problem.tracks.iter().map(|t| t.resolution[j]).fold(0.0, f64::max);
     let of = |j: usize| {
         let squares: f64 = errors[j * rows..(j + 1) * rows].iter().map(|e| e * e).sum();
@@ -157,6 +224,18 @@ fn weights(problem: &Problem<'_>, x: &[f64]) -> Vec<f64> {
         if rms.is_finite() { 1.0 / rms } else { 1.0 }
     };
     (0..problem.weights.len()).map(of).collect()
+}
+
+/// Rows of errors that say as much together as one that is independent of the others would.
+fn rows_per_independent(problem: &Problem<'_>, errors: &[f64]) -> f64 {
+    let rows = problem.samples();
+    let of_joint = |errors: &[f64]| {
+        let bins: Vec<f64> =
+            errors.chunks(rows.div_ceil(MOST_BINS)).map(|c| c.iter().sum()).collect();
+        effective_samples(&bins)
+    };
+    let independent: f64 = errors.chunks(rows).map(of_joint).sum();
+    if independent > 0.0 { errors.len() as f64 / independent } else { 1.0 }
 }
 
 fn estimates(

@@ -5,103 +5,36 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::{
-    Estimate, Free, PositionGap, ServoError, Settings, Track, free_parameters, identify, replay,
-};
+use super::refit::Refitted;
+use super::{Estimate, PositionGap, ServoError, Track, replay};
 use crate::diagnosis::{
-    By, Cause, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink, Value,
-    Verdict, may_be_absent, words,
+    By, Cause, Change, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink,
+    Value, Verdict,
 };
-use crate::effects::{Effect, Seen, Size, find};
-use crate::follow::Watch;
+use crate::effects::{Size, find};
 use crate::series::JointSeries;
 use crate::twin::Twin;
 
-/// A twin with values fitted by simulation.
-#[derive(Clone)]
-pub struct Refitted {
-    pub twin: Twin,
-    pub estimates: Vec<Estimate>,
-}
-
-/// `start` with the values of what `twin` leaves open and of the causes fitted by simulation. Beside causes what is
-/// open stays near `start` where the recording does not tell it.
-///
-/// # Errors
-/// As [`identify`].
-pub fn refit(
-    start: &Twin,
-    twin: &Twin,
-    causes: &[Cause],
-    fit: &Track,
-    watch: &dyn Watch,
-) -> Result<Refitted, ServoError> {
-    let settings = Settings { level: LEVEL, ..Settings::default() };
-    let free = free(start, twin, causes)?;
-    if free.is_empty() {
-        return Ok(Refitted { twin: start.clone(), estimates: Vec::new() });
-    }
-    let fitted = identify(start, &[fit], &free, &settings, watch)?;
-    Ok(Refitted { twin: fitted.twin, estimates: fitted.estimates })
-}
-
-/// What the twin leaves open, and the parameters of the causes where they act.
-fn free(start: &Twin, twin: &Twin, causes: &[Cause]) -> Result<Vec<Free>, ServoError> {
-    let open: Vec<String> = twin.open().map(|e| e.about().name.to_string()).collect();
-    let mut free = free_parameters(start, &open)?;
-    if !causes.is_empty() {
-        // They were fitted without the causes already.
-        free = free.into_iter().map(|f| f.near_start(&start.robot)).collect();
-    }
-    for cause in causes.iter().filter(|c| find(&c.effect).is_some_and(is_simulated)) {
-        let own = free_parameters(start, std::slice::from_ref(&cause.effect))?;
-        let acts = |joint: usize| cause.joints.is_empty() || cause.joints.contains(&(joint + 1));
-        let there = |f: &Free| {
-            let same = |g: &Free| (g.parameter.name, g.joint) == (f.parameter.name, f.joint);
-            free.iter().any(same)
-        };
-        let own: Vec<Free> =
-            own.into_iter().filter(|f| f.joint.is_none_or(acts) && !there(f)).collect();
-        free.extend(own.into_iter().map(|f| f.near_start(&start.robot)));
-    }
-    Ok(free)
-}
-
-/// Takes what a simulation does no worse without out of an answer, and says so.
-pub fn leave_out(diagnosis: &mut Diagnosis, left_out: &[Cause]) {
-    let out = |c: &Cause| left_out.iter().any(|l| (&l.effect, &l.joints) == (&c.effect, &c.joints));
-    // Adjustments are told anew, with the values that a simulation gives.
-    let told: Vec<String> = diagnosis.adjustments.iter().map(words::adjustment).collect();
-    diagnosis.notes.retain(|note| !told.contains(note));
-    // What a cause stood for stays.
-    diagnosis.unexplained.above_noise |= diagnosis.causes.iter().any(out);
-    diagnosis.causes.retain(|c| !out(c));
-    diagnosis.adjustments.retain(|c| !out(c));
-    diagnosis.notes.extend(left_out.iter().map(words::left_out));
-}
-
 /// Leads the twin as given and the mended one, and the mended one without each cause, along the command of the
 /// check recording, and adds to `diagnosis` what that shows; returns their positions, rad. Values are those
-/// that were fitted by simulation.
+/// that were fitted by simulation, and causes come in the order of `changes`.
 ///
 /// # Errors
 /// If a twin runs away.
 pub fn prove(
     diagnosis: &mut Diagnosis,
     twin: &Twin,
-    [before, after]: [Refitted; 2],
+    [before, after]: [&Refitted; 2],
+    changes: &[Change],
     check: &Track,
 ) -> Result<Vec<JointSeries>, ServoError> {
     keep_open(&mut diagnosis.fitted_before, twin, &before.twin);
     keep_open(&mut diagnosis.fitted, twin, &after.twin);
-    let all = diagnosis.causes.iter_mut().chain(&mut diagnosis.adjustments);
-    all.for_each(|cause| keep_cause(cause, twin, &after.estimates));
-    // What a simulation holds to be absent stays in the mended twin and is not named.
-    let (absent, named) =
-        std::mem::take(&mut diagnosis.causes).into_iter().partition(|c| is_absent(c, twin));
-    diagnosis.causes = named;
-    diagnosis.adjustments.extend::<Vec<Cause>>(absent);
-    diagnosis.notes.extend(diagnosis.adjustments.iter().map(words::adjustment));
+    let is_of = |change: &Change, cause: &Cause| {
+        (&change.effect, &change.joints) == (&cause.effect, &cause.joints)
+    };
+    diagnosis.causes.sort_by_key(|cause| changes.iter().position(|c| is_of(c, cause)));
+    diagnosis.causes.iter_mut().for_each(|cause| keep_cause(cause, twin, &after.estimates));
     diagnosis.verdict = Verdict::of(&diagnosis.causes, &diagnosis.unexplained, &diagnosis.ranking);
     let stretches = check.stretches(f64::INFINITY);
     let of = |twin: &Twin| replay(twin, check, &stretches);
@@ -119,14 +52,6 @@ pub fn prove(
     let causes = diagnosis.causes.par_iter().map(without).collect::<Result<_, _>>()?;
     put(diagnosis, &gaps, causes);
     Ok(vec![q_before, q_after])
-}
-
-/// Of the intervals of a diagnosis.
-const LEVEL: f64 = 0.9;
-
-/// Does it change the simulated motion all the time, in a way that is simulated here?
-pub fn is_simulated(effect: &dyn Effect) -> bool {
-    effect.seen() == Seen::Columns && !effect.lasts_a_while() && !effect.gives_way()
 }
 
 /// What the twin leaves open takes the values that were fitted by simulation.
@@ -161,20 +86,7 @@ fn within_range(found: &Estimate, twin: &Twin) -> [f64; 2] {
     let Some(range) = own.map(|p| p.on(&Size::of(&twin.robot))) else {
         return [found.low, found.high];
     };
-    let told = found.low.is_finite() && found.high.is_finite();
-    if told { [found.low, found.high] } else { [range.min, range.max] }
-}
-
-/// Does it hold that nothing changes?
-fn is_absent(cause: &Cause, twin: &Twin) -> bool {
-    let Some(effect) = find(&cause.effect) else { return false };
-    let first = cause.joints.first().copied();
-    let mut changes = cause.parameters.clone();
-    for value in changes.iter_mut().filter(|_| cause.replaces.is_some()) {
-        let joint = value.joint.or(first);
-        shift(value, -stated(twin, &cause.effect, &value.name, joint));
-    }
-    may_be_absent(effect, &changes)
+    if found.identifiable { [found.low, found.high] } else { [range.min, range.max] }
 }
 
 fn shift(value: &mut Value, by: f64) {
@@ -191,7 +103,7 @@ fn stated(twin: &Twin, effect: &str, parameter: &str, joint: Option<usize>) -> f
 }
 
 /// The mended twin with the values of one cause as `twin` has them, all others as they are.
-pub fn taken_out(mended: &Twin, twin: &Twin, cause: &Cause) -> Twin {
+fn taken_out(mended: &Twin, twin: &Twin, cause: &Cause) -> Twin {
     let mut without = mended.clone();
     let acts = |joint: usize| cause.joints.is_empty() || cause.joints.contains(&(joint + 1));
     let Some(effect) = find(&cause.effect) else { return without };

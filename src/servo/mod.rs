@@ -15,6 +15,7 @@ mod linear;
 mod parameters;
 mod plant;
 mod problem;
+mod refit;
 mod replay;
 mod sensitivity;
 mod sift;
@@ -25,7 +26,7 @@ mod track;
 
 pub use diagnose::{Found, diagnose};
 pub use error::ServoError;
-pub use fit::{Estimate, Fitted, Settings, identify};
+pub use fit::{Estimate, Fitted, Settings, approach, identify};
 pub use gap::{JointPosition, PositionGap};
 pub use linear::linearised;
 pub use parameters::{Free, free_parameters};

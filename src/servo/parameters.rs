@@ -15,23 +15,25 @@ pub struct Free {
     pub start: f64,
     pub min: f64,
     pub max: f64,
-    /// How far from `start` it is expected to be, a standard deviation; infinite where nothing is expected.
+    /// Where it is expected.
+    pub expected: f64,
+    /// How far from there, a standard deviation; infinite where nothing is expected.
     pub spread: f64,
 }
 
 impl Free {
-    /// The same where its effect is expected to be as large as such effects are, or as large as it is: what
-    /// a recording does not tell stays where it was.
+    /// The same where it is expected to be off by as much as such effects are on such an arm, or by as much as it is
+    /// where that is more: what a recording does not tell stays where it was.
     pub fn near_start(self, robot: &Robot) -> Self {
         let place =
             self.effect.about().parameters.iter().position(|p| p.name == self.parameter.name);
         let expected = self.effect.expected(robot, self.joint.unwrap_or(0));
         let expected = place.and_then(|i| expected.get(i).copied()).filter(|s| s.is_finite());
-        let usual = match self.start.abs() {
-            0.0 => self.usual(),
-            start => start,
+        let usual = match self.parameter.on(&Size::of(robot)).typical.abs() {
+            0.0 => self.max - self.min,
+            typical => typical,
         };
-        Self { spread: expected.unwrap_or(usual), ..self }
+        Self { spread: expected.unwrap_or(usual.max(self.start.abs())), ..self }
     }
 
     /// Its usual size; what is usually none may still be something, for its range is not empty.
@@ -82,12 +84,28 @@ pub fn free_parameters(twin: &Twin, effects: &[String]) -> Result<Vec<Free>, Ser
                 let own = if joint.is_none() { parameter.on(&size) } else { *parameter };
                 let start = start(twin, effect, &own, joint.unwrap_or(0));
                 let (min, max) = bounds(effect, &own);
-                let (start, spread) = (start.clamp(min, max), f64::INFINITY);
-                all.push(Free { effect, parameter, joint, start, min, max, spread });
+                let start = start.clamp(min, max);
+                let (expected, spread) = (start, f64::INFINITY);
+                all.push(Free { effect, parameter, joint, start, min, max, expected, spread });
             }
         }
     }
+    begin_near(&mut all, twin.robot.reach());
     Ok(all)
+}
+
+/// A load found along another motion than the arm's own may be far off the flange: no search begins there.
+fn begin_near(all: &mut [Free], reach: f64) {
+    let starts: Vec<(&str, Option<usize>, f64)> =
+        all.iter().map(|f| (f.parameter.name, f.joint, f.start)).collect();
+    for f in all {
+        let over = f.effect.readable().iter().find(|r| r.of == f.parameter.name).map(|r| r.over);
+        let start = starts.iter().find(|(name, joint, _)| Some(*name) == over && *joint == f.joint);
+        if let Some((.., over)) = start.filter(|(.., over)| *over > 0.0) {
+            f.start = f.start.clamp(-reach * over, reach * over);
+            f.expected = f.start;
+        }
+    }
 }
 
 fn bounds(effect: &dyn Effect, p: &Parameter) -> (f64, f64) {
@@ -129,9 +147,10 @@ pub fn with_values(twin: &Twin, free: &[Free], x: &[f64]) -> Twin {
         let count = if f.joint.is_some() { twin.robot.dof() } else { 1 };
         let usual =
             if f.parameter.null.is_finite() { f.parameter.null } else { f.parameter.typical };
-        let values =
-            twin.values.entry(f.parameter.name.into()).or_insert_with(|| vec![usual; count]);
-        values[f.joint.unwrap_or(0)] = value;
+        // What the drive has at the other joints stays.
+        let at = |j: usize| usual + f.effect.in_drive(&twin.drive, j);
+        let values = twin.values.entry(f.parameter.name.into());
+        values.or_insert_with(|| (0..count).map(at).collect())[f.joint.unwrap_or(0)] = value;
         if !twin.effects.iter().any(|e| e == about.name) {
             twin.effects.push(about.name.into());
         }

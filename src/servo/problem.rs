@@ -37,6 +37,9 @@ pub struct Problem<'a> {
     pub by_sensitivity: bool,
     /// A row for each parameter, how far it is from where it is expected (most likely values a posteriori).
     pub with_priors: bool,
+    /// Weight of such a row, the square root of how many rows of errors, which go along with each other, say as much as
+    /// one would say alone.
+    pub prior_weight: f64,
 }
 
 impl<'a> Problem<'a> {
@@ -47,7 +50,16 @@ impl<'a> Problem<'a> {
         };
         let stretches = tracks.iter().enumerate().flat_map(of).collect();
         let weights = vec![1.0; twin.robot.dof()];
-        Self { twin, tracks, free, stretches, weights, by_sensitivity: false, with_priors: true }
+        Self {
+            twin,
+            tracks,
+            free,
+            stretches,
+            weights,
+            by_sensitivity: false,
+            with_priors: true,
+            prior_weight: 1.0,
+        }
     }
 
     /// Samples of a joint.
@@ -137,7 +149,8 @@ impl Residuals for Problem<'_> {
     fn residuals(&self, x: &[f64], out: &mut [f64]) {
         let (errors, expected) = out.split_at_mut(self.samples() * self.weights.len());
         errors.copy_from_slice(&self.weighted(self.errors(x)));
-        let off = self.free.iter().zip(x).map(|(f, x)| (x - f.start) / f.spread);
+        let off = |(f, x): (&Free, &f64)| self.prior_weight * (x - f.expected) / f.spread;
+        let off = self.free.iter().zip(x).map(off);
         expected.iter_mut().zip(off).for_each(|(row, off)| *row = off);
     }
 
@@ -152,7 +165,8 @@ impl Residuals for Problem<'_> {
         let columns = self.by_sensitivity.then(|| self.sensitivities(x, &steps).ok()).flatten();
         let mut columns = columns.unwrap_or_else(|| self.differences(x, r, &steps));
         for (i, column) in columns.iter_mut().enumerate() {
-            let expected = |k: usize| if k == i { 1.0 / self.free[k].spread } else { 0.0 };
+            let expected =
+                |k: usize| if k == i { self.prior_weight / self.free[k].spread } else { 0.0 };
             column.extend((0..self.priors()).map(expected));
         }
         columns

@@ -1,71 +1,211 @@
 //! Changes of a twin that bring its simulated position nearer to the recorded one.
 //!
 //! A search sees them along one motion. What it finds there must hold where the twin is led along another command:
-//! a change without which the simulated position is as near is none.
+//! a change with which the simulated position does not surely come nearer is none. Sizes of errors count, not their
+//! squares: a contact that lasts a while is not simulated here, and squares would let it decide.
 
 use rayon::prelude::*;
 
-use super::judge::{Refitted, taken_out};
-use super::{PositionGap, ServoError, Track, replay};
-use crate::diagnosis::Cause;
+use super::refit::{Refits, Refitted};
+use super::{ServoError, Track, replay};
+use crate::diagnosis::{Change, Settings, Stands, interval};
 use crate::twin::Twin;
 
-/// Changes that stand, fitted, and those that do not.
+/// The recording that changes are fitted to, and another command along which a change has to hold.
+pub struct Sieve<'a> {
+    pub fit: &'a Track,
+    pub check: &'a Track,
+    pub refits: &'a Refits<'a>,
+    pub settings: &'a Settings,
+}
+
+/// Which changes stand, and the twin with them, about.
 pub struct Sifted {
-    pub fitted: Refitted,
-    pub left_out: Vec<Cause>,
+    pub stand: Vec<Stands>,
+    pub twin: Twin,
 }
 
-/// Leaves out of `changes` those that take nothing off the simulated position's error along the command of `check`,
-/// the worst first; `refit` fits the others.
-///
-/// # Errors
-/// If `refit` fails.
-pub fn sifted(
-    twin: &Twin,
-    mut changes: Vec<Cause>,
-    refit: impl Fn(&[Cause]) -> Result<Refitted, ServoError>,
-    check: &Track,
-) -> Result<Sifted, ServoError> {
-    let mut left_out = Vec::new();
-    loop {
-        let fitted = refit(&changes)?;
-        let idle = idle(&fitted.twin, twin, &mut changes, check)?;
-        if idle.is_empty() {
-            return Ok(Sifted { fitted, left_out });
+/// A twin with one change alone, or with one more.
+struct Tried {
+    index: usize,
+    twin: Twin,
+    /// Each joint, rad.
+    errors: Vec<Vec<f64>>,
+    /// What it takes off the sum of errors, each joint in units of what is left of it.
+    gain: f64,
+}
+
+impl Sieve<'_> {
+    /// Which of `changes` take something sure off the simulated position's error along the command of `check`, taken
+    /// up one after the other. First comes what alone takes most off that along the command of `fit`; of what takes
+    /// as much the best along that of `check`, and the others are its equals as far as it is not surely better.
+    ///
+    /// # Errors
+    /// If the twin cannot be fitted or simulated.
+    pub fn sift(&self, changes: &[Change]) -> Result<Sifted, ServoError> {
+        let mut twin = self.refits.before.twin.clone();
+        let mut left = errors(&twin, self.check)?;
+        let (mut stand, mut taken) = (Vec::new(), Vec::new());
+        let mut open = self.alone(changes)?;
+        while !open.is_empty() {
+            let rivals = self.rivals(&open, changes);
+            let beside = |alone: &&Tried| self.beside((&twin, &taken), changes, alone);
+            let tried: Vec<Tried> = rivals.par_iter().map(beside).collect::<Result<_, _>>()?;
+            let mut used: Vec<usize> = rivals.iter().map(|t| t.index).collect();
+            let nearer = self.nearer(&left, tried, (&taken, changes))?;
+            if let Some((best, equals)) = self.best(nearer) {
+                used = [&[best.index], equals.as_slice()].concat();
+                taken.push(changes[best.index].clone());
+                stand.push(Stands { index: best.index, equals });
+                (twin, left) = (best.twin, best.errors);
+            }
+            open.retain(|t| !used.contains(&t.index));
         }
-        left_out.extend(idle);
+        Ok(Sifted { stand, twin })
     }
-}
 
-/// Takes out of `changes` what the mended twin does no worse without.
-fn idle(
-    mended: &Twin,
-    twin: &Twin,
-    changes: &mut Vec<Cause>,
-    check: &Track,
-) -> Result<Vec<Cause>, ServoError> {
-    let (mut mended, mut idle) = (mended.clone(), Vec::new());
-    loop {
-        let all = error(&mended, check)?;
-        let without = |change: &Cause| error(&taken_out(&mended, twin, change), check);
-        let errors = changes.par_iter().map(without).collect::<Result<Vec<f64>, _>>()?;
-        // What harms most is what it goes best without.
-        let least = errors.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-        let Some((worst, _)) = least.filter(|(_, error)| **error <= all) else {
-            return Ok(idle);
+    /// `sifted` with values in full, as long as that brings it no further from the recorded position.
+    ///
+    /// # Errors
+    /// If the twin cannot be fitted or simulated.
+    pub fn in_full(&self, sifted: &Twin, changes: &[Change]) -> Result<Refitted, ServoError> {
+        let full = self.refits.all(sifted, changes)?;
+        let [near, mended] = [sifted, &full.twin].map(|twin| errors(twin, self.check));
+        let (near, mended) = (near?, mended?);
+        match self.is_nearer(&mended, &near) {
+            true => self.refits.as_is(sifted, changes),
+            false => Ok(full),
+        }
+    }
+
+    /// Each change alone along the fitted recording, that with the smallest error first.
+    fn alone(&self, changes: &[Change]) -> Result<Vec<Tried>, ServoError> {
+        let before = errors(&self.refits.before.twin, self.fit)?;
+        let units = self.units(&before, self.fit);
+        let size = |errors: &[Vec<f64>]| summed(errors, &units).iter().sum::<f64>();
+        let of = |(index, change): (usize, &Change)| -> Result<Tried, ServoError> {
+            let twin = self.refits.alone(change)?;
+            let errors = errors(&twin, self.fit)?;
+            Ok(Tried { index, twin, gain: size(&before) - size(&errors), errors })
         };
-        let change = changes.remove(worst);
-        mended = taken_out(&mended, twin, &change);
-        idle.push(change);
+        let mut all: Vec<Tried> =
+            changes.par_iter().enumerate().map(of).collect::<Result<_, _>>()?;
+        all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        Ok(all)
+    }
+
+    /// A twin that has changes already with one more, along the command of `check`.
+    fn beside(
+        &self,
+        (twin, taken): (&Twin, &[Change]),
+        changes: &[Change],
+        alone: &Tried,
+    ) -> Result<Tried, ServoError> {
+        let index = alone.index;
+        let all = [taken, &changes[index..=index]].concat();
+        let twin = self.refits.beside(twin, &all, &alone.twin)?;
+        let errors = errors(&twin, self.check)?;
+        Ok(Tried { index, twin, errors, gain: alone.gain })
+    }
+
+    /// What brings the error nearer than `left`. Where that is more than one, fitted in full: of rivals the last bit counts.
+    fn nearer(
+        &self,
+        left: &[Vec<f64>],
+        mut tried: Vec<Tried>,
+        (taken, changes): (&[Change], &[Change]),
+    ) -> Result<Vec<Tried>, ServoError> {
+        tried.retain(|t| self.is_nearer(left, &t.errors));
+        if tried.len() > 1 {
+            let in_full = |t: &Tried| {
+                let all = [taken, &changes[t.index..=t.index]].concat();
+                let twin = self.refits.all(&t.twin, &all)?.twin;
+                let errors = errors(&twin, self.check)?;
+                Ok(Tried { index: t.index, twin, errors, gain: t.gain })
+            };
+            tried = tried.par_iter().map(in_full).collect::<Result<_, ServoError>>()?;
+            tried.retain(|t| self.is_nearer(left, &t.errors));
+        }
+        Ok(tried)
+    }
+
+    /// The first, and what alone takes as much off where it acts, as far as simulations are exact: more parameters always
+    /// take a little more off the recording that they are fitted to.
+    fn rivals<'t>(&self, open: &'t [Tried], changes: &[Change]) -> Vec<&'t Tried> {
+        let (first, inexact) = (&open[0], self.settings.criteria.least_gain_inexact);
+        let as_well = |t: &&Tried| {
+            let here = changes[t.index].meets(&changes[first.index]);
+            t.index == first.index || here && t.gain > 0.0 && t.gain >= (1.0 - inexact) * first.gain
+        };
+        open.iter().filter(as_well).collect()
+    }
+
+    /// The best, and which of the others are not surely worse.
+    fn best(&self, tried: Vec<Tried>) -> Option<(Tried, Vec<usize>)> {
+        let units = self.units(&tried.first()?.errors, self.check);
+        let summed = |t: &Tried| summed(&t.errors, &units);
+        let size = |t: &Tried| summed(t).iter().sum::<f64>();
+        let mut tried = tried;
+        tried.sort_by(|a, b| size(a).total_cmp(&size(b)));
+        let best = tried.remove(0);
+        let least = summed(&best);
+        let is_worse = |t: &&Tried| {
+            let (dt, seed) = (self.check.dt, self.settings.seed);
+            interval(&summed(t), &least, dt, seed, share)[0] > 0.0
+        };
+        let equals = tried.iter().filter(|t| !is_worse(t)).map(|t| t.index).collect();
+        Some((best, equals))
+    }
+
+    /// What is left of each joint, rad, at least its rounding.
+    fn units(&self, left: &[Vec<f64>], track: &Track) -> Vec<f64> {
+        let least = track.resolution.iter().map(|r| r / 12f64.sqrt());
+        means(left).into_iter().zip(least).map(|(left, least)| left.max(least)).collect()
+    }
+
+    /// Do errors surely shrink, and by enough? Each joint counts in units of what is left of it.
+    fn is_nearer(&self, without: &[Vec<f64>], with: &[Vec<f64>]) -> bool {
+        let (before, after) = (means(without), means(with));
+        let moves = |means: &[f64]| means.iter().all(|m| m.is_finite());
+        if !(moves(&before) && moves(&after)) {
+            return moves(&after);
+        }
+        let units = self.units(with, self.check);
+        let [b, a] = [without, with].map(|errors| summed(errors, &units));
+        let [low, _] = interval(&b, &a, self.check.dt, self.settings.seed, share);
+        let largest = before.iter().zip(&after).map(|(b, a)| share(*b, *a)).fold(0.0, f64::max);
+        // No simulation of an arm is exact to less.
+        low > 0.0 && largest >= self.settings.criteria.least_gain_inexact
     }
 }
 
-/// Root mean square of the simulated position's error, rad; infinite where the twin runs away.
-fn error(twin: &Twin, check: &Track) -> Result<f64, ServoError> {
-    match replay(twin, check, &check.stretches(f64::INFINITY)) {
-        Ok(q) => Ok(PositionGap::new(check, &q).rms_rad()),
-        Err(ServoError::Diverged { .. }) => Ok(f64::INFINITY),
+/// Sizes of the simulated position's errors joint by joint, rad; infinite where the twin runs away.
+fn errors(twin: &Twin, track: &Track) -> Result<Vec<Vec<f64>>, ServoError> {
+    let used: Vec<usize> = (0..track.len()).filter(|&k| track.usable[k]).collect();
+    match replay(twin, track, &track.stretches(f64::INFINITY)) {
+        Ok(q) => {
+            let size = |j: usize, k: usize| (q.joint(j)[k] - track.q.joint(j)[k]).abs();
+            let of = |j: usize| used.iter().map(|&k| size(j, k)).collect();
+            Ok((0..track.joints()).map(of).collect())
+        }
+        Err(ServoError::Diverged { .. }) => {
+            Ok(vec![vec![f64::INFINITY; used.len()]; track.joints()])
+        }
         Err(other) => Err(other),
     }
+}
+
+/// Share of a square that is taken off.
+fn share(before: f64, after: f64) -> f64 {
+    if before > 0.0 { 1.0 - (after / before).powi(2) } else { 0.0 }
+}
+
+fn means(errors: &[Vec<f64>]) -> Vec<f64> {
+    errors.iter().map(|e| e.iter().sum::<f64>() / e.len().max(1) as f64).collect()
+}
+
+/// Over all joints, sample by sample.
+fn summed(errors: &[Vec<f64>], units: &[f64]) -> Vec<f64> {
+    let samples = errors.first().map_or(0, Vec::len);
+    (0..samples).map(|k| errors.iter().zip(units).map(|(e, unit)| e[k] / unit).sum()).collect()
 }

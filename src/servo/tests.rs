@@ -1,6 +1,9 @@
 //! The stepper beside rapier, and values that come back through it.
 
+use super::refit::Refits;
+use super::sift::{Sieve, Sifted};
 use super::*;
+use crate::diagnosis::{Change, Stands, Value};
 use crate::signals::{Conditioning, condition};
 use crate::simulation::{Scenario, Simulation};
 use crate::twin::Twin;
@@ -157,4 +160,54 @@ fn what_cannot_be_simulated_says_why() {
     assert!(refused(&twin).contains("backlash has a degree of freedom"));
     let term = |name: &str| free_parameters(&twin, &[name.into()]).err().unwrap().to_string();
     assert!(term("magic").contains("no such effect"));
+}
+
+#[test]
+fn what_is_fitted_at_one_joint_leaves_the_drive_at_others() {
+    let (twin, _) = by_rapier(SERVOS);
+    let all = free_parameters(&twin, &["rotor_inertia".to_string()]).unwrap();
+    let mut heavier = super::parameters::with_values(&twin, &all[3..4], &[0.5]);
+    heavier.settle_drive();
+    assert_eq!(heavier.drive.rotor_inertia, [1.1, 1.1, 1.1, 0.5, 0.14, 0.14]);
+}
+
+/// A load that the twin does not carry, beside what is not there; a search along another motion thinks it next to
+/// weightless and far off the flange.
+#[test]
+fn of_changes_stands_what_brings_another_motion_nearer() {
+    let load = "[effects.payload]\npayload_mass = 2.0\npayload_moment_x = 0.1\npayload_moment_y = 0\n\
+                payload_moment_z = 0.2\n";
+    let (truth, fit) = by_rapier(&format!("{SERVOS}{load}"));
+    let other = SERVOS.replace("duration_s = 6", "duration_s = 6\nseed = 7");
+    let (_, check) = by_rapier(&format!("{other}{load}"));
+    let mut twin = truth.clone();
+    twin.effects.retain(|e| e != "payload");
+    twin.values.retain(|name, _| !name.starts_with("payload"));
+    let change = |effect: &str, joints: &[usize], values: &[(&str, f64)]| {
+        let value = |&(name, value): &(&str, f64)| Value {
+            name: name.into(),
+            joint: joints.first().copied(),
+            unit: String::new(),
+            value,
+            low: value,
+            high: value,
+            at_bound: false,
+        };
+        let parameters = values.iter().map(value).collect();
+        Change { effect: effect.into(), joints: joints.to_vec(), parameters, replaces: false }
+    };
+    let changes = [
+        change("viscous_cubic", &[2], &[("viscous_cubic", 0.1)]),
+        change("payload", &[], &[("payload_mass", 1e-3), ("payload_moment_x", -0.5)]),
+        change("servo_offset", &[6], &[("servo_offset", 1e-3)]),
+    ];
+    let refits = Refits::new(&twin, &fit, &()).unwrap();
+    let settings = crate::diagnosis::Settings::default();
+    let sieve = Sieve { fit: &fit, check: &check, refits: &refits, settings: &settings };
+    let Sifted { stand, twin: mended } = sieve.sift(&changes).unwrap();
+    assert_eq!(stand, [Stands { index: 1, equals: vec![] }]);
+    assert!((mended.values["payload_mass"][0] - 2.0).abs() < 0.2, "{:?}", mended.values);
+    let near = refits.all(&mended, &changes[1..2]).unwrap();
+    let mass = near.estimates.iter().find(|e| e.name == "payload_mass").unwrap();
+    assert!((mass.value - 2.0).abs() < 0.1 && mass.identifiable, "{mass:?}");
 }

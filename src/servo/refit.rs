@@ -1,0 +1,160 @@
+//! Values of changes, fitted by simulation to one recording.
+
+use std::collections::BTreeMap;
+
+use super::parameters::with_values;
+use super::{Estimate, Free, ServoError, Settings, Track, approach, free_parameters, identify};
+use crate::diagnosis::{Change, changed};
+use crate::effects::{Effect, Seen, find};
+use crate::follow::Watch;
+use crate::twin::Twin;
+
+/// Of the intervals of a diagnosis.
+const LEVEL: f64 = 0.9;
+/// Stretches that a fit takes one after the other, as shares of the longest: what begins far away begins with short
+/// ones.
+const FROM_FAR: [f64; 2] = [0.1, 1.0];
+const FROM_NEAR: [f64; 1] = [1.0];
+
+/// A twin with values fitted by simulation.
+#[derive(Clone)]
+pub struct Refitted {
+    pub twin: Twin,
+    pub estimates: Vec<Estimate>,
+}
+
+/// Fits to one recording, beginning with the twin as given, its open values fitted.
+pub struct Refits<'a> {
+    twin: &'a Twin,
+    fit: &'a Track,
+    watch: &'a dyn Watch,
+    pub before: Refitted,
+}
+
+impl<'a> Refits<'a> {
+    /// # Errors
+    /// As [`identify`].
+    pub fn new(twin: &'a Twin, fit: &'a Track, watch: &'a dyn Watch) -> Result<Self, ServoError> {
+        let before = Refitted { twin: twin.clone(), estimates: Vec::new() };
+        let mut refits = Self { twin, fit, watch, before };
+        refits.before = refits.all(twin, &[])?;
+        Ok(refits)
+    }
+
+    /// The twin with one change, about. Good along one motion, values of the change may still be none that an arm can be
+    /// led with: then from where it is absent.
+    ///
+    /// # Errors
+    /// As [`identify`].
+    pub fn alone(&self, change: &Change) -> Result<Twin, ServoError> {
+        let own = std::slice::from_ref(change);
+        let starts = [own, &[]].map(|c| changed(self.twin, &self.open_values(), c));
+        from_either(starts, |start| self.approached(start, own, &FROM_FAR))
+    }
+
+    /// `current`, which has all of `changes` but the last, about with the last as well; its values begin with those in
+    /// `alone`.
+    ///
+    /// # Errors
+    /// As [`identify`].
+    pub fn beside(
+        &self,
+        current: &Twin,
+        changes: &[Change],
+        alone: &Twin,
+    ) -> Result<Twin, ServoError> {
+        let own = changes.last().map_or(Ok(Vec::new()), |last| parameters(alone, last))?;
+        let values: Vec<f64> = own.iter().map(|f| f.start).collect();
+        let starts = [with_values(current, &own, &values), current.clone()];
+        from_either(starts, |start| self.approached(start, changes, &FROM_NEAR))
+    }
+
+    /// `near` with the values of what the twin leaves open, and of the changes, fitted.
+    ///
+    /// # Errors
+    /// As [`identify`].
+    pub fn all(&self, near: &Twin, changes: &[Change]) -> Result<Refitted, ServoError> {
+        let free = self.free(near, changes)?;
+        if free.is_empty() {
+            return Ok(Refitted { twin: near.clone(), estimates: Vec::new() });
+        }
+        let settings = Settings { level: LEVEL, ..Settings::default() };
+        let fitted = identify(near, &[self.fit], &free, &settings, self.watch)?;
+        Ok(Refitted { twin: fitted.twin, estimates: fitted.estimates })
+    }
+
+    /// A twin with changes as it is, where nothing is known of how sure their values are.
+    ///
+    /// # Errors
+    /// If a change has no parameters that can be fitted.
+    pub fn as_is(&self, twin: &Twin, changes: &[Change]) -> Result<Refitted, ServoError> {
+        let free = self.free(twin, changes)?;
+        let estimates = free.iter().map(Estimate::untold).collect();
+        Ok(Refitted { twin: twin.clone(), estimates })
+    }
+
+    fn approached(
+        &self,
+        start: &Twin,
+        changes: &[Change],
+        stretches: &[f64],
+    ) -> Result<Twin, ServoError> {
+        let free = self.free(start, changes)?;
+        approach(start, &[self.fit], &free, (stretches, &Settings::default()), self.watch)
+    }
+
+    /// What the twin leaves open, and the parameters of the changes where they act, with their values in `start`. Beside
+    /// changes they are expected near those before: what the recording does not tell stays there.
+    fn free(&self, start: &Twin, changes: &[Change]) -> Result<Vec<Free>, ServoError> {
+        let open: Vec<String> = self.twin.open().map(|e| e.about().name.to_string()).collect();
+        let all = |twin: &Twin| -> Result<Vec<Free>, ServoError> {
+            let mut free = free_parameters(twin, &open)?;
+            for change in changes.iter().filter(|c| find(&c.effect).is_some_and(is_simulated)) {
+                let mut own = parameters(twin, change)?;
+                own.retain(|f| !free.iter().any(|g| is_same(f, g)));
+                free.extend(own);
+            }
+            Ok(free)
+        };
+        let own = all(start)?;
+        if changes.is_empty() {
+            return Ok(own);
+        }
+        let before = all(&self.before.twin)?.into_iter().map(|f| f.near_start(&start.robot));
+        Ok(before.zip(own).map(|(before, own)| Free { start: own.start, ..before }).collect())
+    }
+
+    /// Fitted values of what the twin leaves open.
+    fn open_values(&self) -> BTreeMap<String, Vec<f64>> {
+        let open = self.twin.open().flat_map(|e| e.about().parameters).map(|p| p.name);
+        let fitted = &self.before.twin.values;
+        open.filter_map(|name| Some((name.into(), fitted.get(name)?.clone()))).collect()
+    }
+}
+
+/// Does it change the simulated motion all the time, in a way that is simulated here?
+pub fn is_simulated(effect: &dyn Effect) -> bool {
+    effect.seen() == Seen::Columns && !effect.lasts_a_while() && !effect.gives_way()
+}
+
+fn is_same(a: &Free, b: &Free) -> bool {
+    (a.parameter.name, a.joint) == (b.parameter.name, b.joint)
+}
+
+/// Parameters of a change where it acts, with their values in `twin`.
+fn parameters(twin: &Twin, change: &Change) -> Result<Vec<Free>, ServoError> {
+    let acts = |joint: usize| change.joints.is_empty() || change.joints.contains(&(joint + 1));
+    let own = free_parameters(twin, std::slice::from_ref(&change.effect))?;
+    Ok(own.into_iter().filter(|f| f.joint.is_none_or(acts)).collect())
+}
+
+/// What comes of the first start, of the second where the twin runs away from the first.
+fn from_either<T>(
+    [near, far]: [Twin; 2],
+    fit: impl Fn(&Twin) -> Result<T, ServoError>,
+) -> Result<T, ServoError> {
+    match fit(&near) {
+        Err(ServoError::Diverged { .. }) => fit(&far),
+        fitted => fitted,
+    }
+}
