@@ -135,6 +135,7 @@ pub fn approach(
 ) -> Result<Twin, ServoError> {
     let mut problem = posed(twin, tracks, free, settings)?;
     gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
+    problem.counts_independent = true;
     let found = stoppable(watch, || by_sensitivity(&mut problem, stretches, settings, watch))?;
     Ok(settled(with_values(twin, free, &found.x)))
 }
@@ -177,12 +178,15 @@ fn by_sensitivity(
     let mut found = Search { x: starts(problem.free), evaluations: 0, stop: Stop::Evaluations };
     for share in stretches {
         let horizon_s = share * settings.horizon_s;
+        let counts_independent = problem.counts_independent;
         *problem = Problem::new(problem.twin, problem.tracks, problem.free, horizon_s);
-        problem.by_sensitivity = true;
+        (problem.by_sensitivity, problem.counts_independent) = (true, counts_independent);
         go_on(watch);
         let errors = problem.errors(&found.x);
         problem.weights = weights(problem, &errors);
-        problem.prior_weight = rows_per_independent(problem, &errors).sqrt();
+        if problem.counts_independent {
+            problem.prior_weight = rows_per_independent(problem, &errors).sqrt();
+        }
         found = minimised(problem, found, settings.max_evaluations / stretches.len());
     }
     found

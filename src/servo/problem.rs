@@ -37,6 +37,9 @@ pub struct Problem<'a> {
     pub by_sensitivity: bool,
     /// A row for each parameter, how far it is from where it is expected (most likely values a posteriori).
     pub with_priors: bool,
+    /// Is what is expected held against as many rows as are independent, or against all? Values that are chosen among
+    /// many are best where they are expected unless much speaks for more, those that are told are what is recorded.
+    pub counts_independent: bool,
     /// Weight of such a row, the square root of how many rows of errors, which go along with each other, say as much as
     /// one would say alone.
     pub prior_weight: f64,
@@ -58,6 +61,7 @@ impl<'a> Problem<'a> {
             weights,
             by_sensitivity: false,
             with_priors: true,
+            counts_independent: false,
             prior_weight: 1.0,
         }
     }

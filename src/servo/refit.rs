@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::parameters::with_values;
 use super::{Estimate, Free, ServoError, Settings, Track, approach, free_parameters, identify};
 use crate::diagnosis::{Change, changed};
-use crate::effects::{Effect, Seen, find};
+use crate::effects::{Effect, Role, Seen, find};
 use crate::follow::Watch;
 use crate::twin::Twin;
 
@@ -121,7 +121,12 @@ impl<'a> Refits<'a> {
             return Ok(own);
         }
         let before = all(&self.before.twin)?.into_iter().map(|f| f.near_start(&start.robot));
-        Ok(before.zip(own).map(|(before, own)| Free { start: own.start, ..before }).collect())
+        let placed = |(before, own): (Free, Free)| {
+            let linear = own.parameter.role == Role::Linear;
+            let expected = if linear { before.expected } else { own.start };
+            Free { start: own.start, expected, ..before }
+        };
+        Ok(before.zip(own).map(placed).collect())
     }
 
     /// Fitted values of what the twin leaves open.
