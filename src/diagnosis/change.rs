@@ -30,6 +30,11 @@ impl Change {
         Self { effect: candidate.name().into(), joints, parameters, replaces: !stated.is_empty() }
     }
 
+    /// Is one in the whole arm what the other is at some joints?
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.effect == other.effect && self.joints.is_empty() != other.joints.is_empty()
+    }
+
     /// Do both change the torque of some joint?
     pub fn meets(&self, other: &Self) -> bool {
         let several = |c: &Self| find(&c.effect).is_none_or(|e| e.about().scope != Scope::Joint);

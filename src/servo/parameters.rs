@@ -1,5 +1,7 @@
 //! What of a twin is fitted: parameters of the catalogue's effects, joint by joint.
 
+use std::ops::Range;
+
 use super::ServoError;
 use crate::effects::{Effect, Parameter, Role, Scope, Size, complete, find};
 use crate::robot::{DrivePart, Robot};
@@ -10,7 +12,7 @@ use crate::twin::Twin;
 pub struct Free {
     pub effect: &'static dyn Effect,
     pub parameter: &'static Parameter,
-    /// From 0; `None` for one of the whole arm.
+    /// From 0; `None` for one value of the whole arm, which is that of every joint where the effect is of joints.
     pub joint: Option<usize>,
     pub start: f64,
     pub min: f64,
@@ -34,6 +36,15 @@ impl Free {
             typical => typical,
         };
         Self { spread: expected.unwrap_or(usual.max(self.start.abs())), ..self }
+    }
+
+    /// How many values a twin has of it, and which of them this one is.
+    fn places(&self, robot: &Robot) -> (usize, Range<usize>) {
+        match (self.effect.about().scope, self.joint) {
+            (Scope::Arm, _) => (1, 0..1),
+            (_, None) => (robot.dof(), 0..robot.dof()),
+            (_, Some(j)) => (robot.dof(), j..j + 1),
+        }
     }
 
     /// Its usual size; what is usually none may still be something, for its range is not empty.
@@ -144,13 +155,13 @@ pub fn with_values(twin: &Twin, free: &[Free], x: &[f64]) -> Twin {
     let mut twin = twin.clone();
     for (f, &value) in free.iter().zip(x) {
         let about = f.effect.about();
-        let count = if f.joint.is_some() { twin.robot.dof() } else { 1 };
+        let (count, here) = f.places(&twin.robot);
         let usual =
             if f.parameter.null.is_finite() { f.parameter.null } else { f.parameter.typical };
         // What the drive has at the other joints stays.
         let at = |j: usize| usual + f.effect.in_drive(&twin.drive, j);
         let values = twin.values.entry(f.parameter.name.into());
-        values.or_insert_with(|| (0..count).map(at).collect())[f.joint.unwrap_or(0)] = value;
+        values.or_insert_with(|| (0..count).map(at).collect())[here].fill(value);
         if !twin.effects.iter().any(|e| e == about.name) {
             twin.effects.push(about.name.into());
         }
@@ -189,10 +200,10 @@ fn complete_references(twin: &mut Twin, free: &[Free]) {
                 .and_then(|_| value(name))
         };
         let Ok(all) = complete(f.effect, given) else { continue };
-        let count = if f.joint.is_some() { twin.robot.dof() } else { 1 };
+        let (count, here) = f.places(&twin.robot);
         for (p, v) in about.parameters.iter().zip(all).filter(|(p, _)| p.is_reference()) {
             let values = twin.values.entry(p.name.into()).or_insert_with(|| vec![p.typical; count]);
-            values[joint] = v;
+            values[here.clone()].fill(v);
         }
     }
 }

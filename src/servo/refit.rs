@@ -146,11 +146,16 @@ fn is_same(a: &Free, b: &Free) -> bool {
     (a.parameter.name, a.joint) == (b.parameter.name, b.joint)
 }
 
-/// Parameters of a change where it acts, with their values in `twin`.
+/// Parameters of a change where it acts, with their values in `twin`: one value for all joints in the whole arm.
 fn parameters(twin: &Twin, change: &Change) -> Result<Vec<Free>, ServoError> {
-    let acts = |joint: usize| change.joints.is_empty() || change.joints.contains(&(joint + 1));
-    let own = free_parameters(twin, std::slice::from_ref(&change.effect))?;
-    Ok(own.into_iter().filter(|f| f.joint.is_none_or(acts)).collect())
+    let all = free_parameters(twin, std::slice::from_ref(&change.effect))?;
+    let acts = |joint: usize| match change.joints.is_empty() {
+        true => joint == 0,
+        false => change.joints.contains(&(joint + 1)),
+    };
+    let own = all.into_iter().filter(|f| f.joint.is_none_or(acts));
+    let alike = |f: Free| Free { joint: f.joint.filter(|_| !change.joints.is_empty()), ..f };
+    Ok(own.map(alike).collect())
 }
 
 /// What comes of the first start, of the second where the twin runs away from the first.

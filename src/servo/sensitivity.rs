@@ -40,16 +40,20 @@ pub fn sensitivities(
         x[i] += steps[i];
         let moved = with_values(twin, free, &x);
         let f = &free[i];
-        let more = match (f.joint, &all) {
-            (Some(j), _) if f.effect.about().scope == Scope::Joint => {
-                let [before, after] = [&now, &moved].map(|t| of_joint(t, f.effect, j, &motion));
-                alone(j, &less(&after, &before), track)
+        let more = match &all {
+            _ if f.effect.about().scope == Scope::Joint => {
+                let here = f.joint.map_or(0..track.joints(), |j| j..j + 1);
+                let more = |j: usize| {
+                    let [before, after] = [&now, &moved].map(|t| of_joint(t, f.effect, j, &motion));
+                    less(&after, &before)
+                };
+                at_joints(here, more, track)
             }
-            (_, Some(before)) => {
+            Some(before) => {
                 let after = moved.torque(&along.motion(&moved.robot, track));
                 after.map_joints(|j, after| less(after, before.joint(j)))
             }
-            (_, None) => JointSeries::zeros(track.joints(), track.len()),
+            None => JointSeries::zeros(track.joints(), track.len()),
         };
         more.map_joints(|j, torque| {
             let scale = -1.0 / (along.response.joints[j].scale * steps[i]);
@@ -71,9 +75,13 @@ fn of_joint(twin: &Twin, effect: &dyn Effect, joint: usize, motion: &Motion<'_>)
     sum
 }
 
-fn alone(joint: usize, torque: &[f64], track: &Track) -> JointSeries {
+fn at_joints(
+    joints: Range<usize>,
+    torque: impl Fn(usize) -> Vec<f64>,
+    track: &Track,
+) -> JointSeries {
     let mut series = JointSeries::zeros(track.joints(), track.len());
-    series.joint_mut(joint).copy_from_slice(torque);
+    joints.for_each(|j| series.joint_mut(j).copy_from_slice(&torque(j)));
     series
 }
 

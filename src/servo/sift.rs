@@ -59,7 +59,8 @@ impl Sieve<'_> {
                 stand.push(Stands { index: best.index, equals });
                 (twin, left) = (best.twin, best.errors);
             }
-            open.retain(|t| !used.contains(&t.index));
+            let overlaps = |t: &Tried| taken.iter().any(|c| changes[t.index].overlaps(c));
+            open.retain(|t| !used.contains(&t.index) && !overlaps(t));
         }
         Ok(Sifted { stand, twin })
     }
