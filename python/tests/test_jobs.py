@@ -126,8 +126,11 @@ def test_progress_is_told_in_the_calling_thread_and_may_end_the_work(twin: at.Tw
 
 
 SLEEPER = """
+import signal
 import sys
 import armtwin as at
+# A shell's background jobs ignore SIGINT, and Python then leaves it so.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 twin = at.Twin.from_urdf("ur5", rotor_inertia=[1.1, 1.1, 1.1, 0.14, 0.14, 0.14])
 sim = at.simulate(twin, at.motions.mixed(seconds=20), snr_db=30)
 def told(doing, done, of):
