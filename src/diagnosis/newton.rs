@@ -36,7 +36,7 @@ pub fn descend(fit: &Fit<'_>, mut best: Trial) -> Trial {
 }
 
 fn step(fit: &Fit<'_>, best: &Trial, free: &[usize]) -> Option<Trial> {
-    let ends: Vec<[f64; 2]> = free.iter().map(|&i| neighbours(best, i)).collect();
+    let ends: Vec<[f64; 2]> = free.iter().map(|&i| neighbours(best, i, fit.data.twin)).collect();
     let raw = fit.raw(best.candidate, &best.nonlinear);
     let mut expected = priors(fit, best.candidate, &raw);
     let mut columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &fit.metric)).collect();
@@ -143,7 +143,7 @@ mod tests {
         let first = trial.starts.iter().map(|s| s[0]).fold(f64::INFINITY, f64::min);
         for factor in [1.0, 1.0 - 1e-9, 1.0 + 1e-9] {
             trial.nonlinear[0] = first * factor;
-            let [below, above] = neighbours(&trial, 0);
+            let [below, above] = neighbours(&trial, 0, fit.data.twin);
             assert!(below < 0.9 * first && above > 1.1 * first, "{below} {first} {above}");
         }
     }

@@ -38,7 +38,8 @@ pub fn refine(fit: &Fit<'_>, start: &Trial) -> Trial {
                 best = along(fit, best, i);
             }
         }
-        let goes_on = searched.len() > 1 || searched.iter().any(|&i| is_at_end(&began, &best, i));
+        let goes_on =
+            searched.len() > 1 || searched.iter().any(|&i| is_at_end(fit, &began, &best, i));
         if best.gain - before < WORTH_ANOTHER * before || !goes_on {
             break;
         }
@@ -47,8 +48,8 @@ pub fn refine(fit: &Fit<'_>, start: &Trial) -> Trial {
 }
 
 /// Did nonlinear parameter `i` come to an end of where it was looked for? It may go on from there.
-fn is_at_end(began: &Trial, now: &Trial, i: usize) -> bool {
-    let ends = neighbours(began, i);
+fn is_at_end(fit: &Fit<'_>, began: &Trial, now: &Trial, i: usize) -> bool {
+    let ends = neighbours(began, i, fit.data.twin);
     let near = 2.0 * TOLERANCE * (ends[1] - ends[0]);
     ends.iter().any(|end| (now.nonlinear[i] - end).abs() < near)
 }
@@ -89,7 +90,7 @@ fn pairs_of_a_kind(trial: &Trial, searched: &[usize]) -> Vec<(usize, usize)> {
 /// The best value of nonlinear parameter `i`, the others as they are.
 fn along(fit: &Fit<'_>, best: Trial, i: usize) -> Trial {
     let now = best.nonlinear.clone();
-    let [below, above] = neighbours(&best, i);
+    let [below, above] = neighbours(&best, i, fit.data.twin);
     let by_ratio = below > 0.0 && now[i] > 0.0;
     let to = |x: f64| if by_ratio { x.ln() } else { x };
     let at = |u: f64| {
@@ -104,7 +105,8 @@ fn along(fit: &Fit<'_>, best: Trial, i: usize) -> Trial {
 /// moves while its end stays.
 fn exchange(fit: &Fit<'_>, best: Trial, i: usize, k: usize) -> Trial {
     let now = best.nonlinear.clone();
-    let ([below_i, above_i], [below_k, above_k]) = (neighbours(&best, i), neighbours(&best, k));
+    let ends = |i: usize| neighbours(&best, i, fit.data.twin);
+    let ([below_i, above_i], [below_k, above_k]) = (ends(i), ends(k));
     let low = (below_i - now[i]).max(now[k] - above_k);
     let high = (above_i - now[i]).min(now[k] - below_k);
     let at = |u: f64| {
@@ -125,11 +127,13 @@ fn line(
     at: impl Fn(f64) -> Vec<f64>,
 ) -> Trial {
     let scan = best.candidate.effect.bracket(&best.nonlinear, i).is_some();
-    let parameters = &best.candidate.effect.about().parameters[best.candidate.linear()..];
+    let first = best.candidate.linear();
+    let range = |i: usize| best.candidate.range(first + i, fit.data.twin);
+    let ranges: Vec<[f64; 2]> = (0..best.nonlinear.len()).map(range).collect();
     let fixed = best.clone();
     let mut top = best;
     let mut cost = |u: f64| {
-        let inside = at(u).iter().zip(parameters).map(|(v, p)| p.clamp(*v)).collect();
+        let inside = at(u).iter().zip(&ranges).map(|(v, [min, max])| v.clamp(*min, *max)).collect();
         let trial = evaluate(fit, &fixed, inside);
         let cost = -trial.gain;
         if trial.gain > top.gain {

@@ -18,7 +18,7 @@ pub fn of_cause(fit: &Fit<'_>, k: usize) -> Vec<Raw> {
     let at = Trial { linear, ..Trial::at(term.candidate, term.nonlinear.clone(), starts) };
     let free = at.searched().into_iter().filter(|i| !settled(&at, *i));
     free.map(|i| {
-        let [below, above] = neighbours(&at, i);
+        let [below, above] = neighbours(&at, i, fit.data.twin);
         // Towards the farther end, so that it stays within the range.
         let far = if above - at.nonlinear[i] > at.nonlinear[i] - below { above } else { below };
         slope(fit, k, i, DIFFERENCE * (far - at.nonlinear[i]))

@@ -125,14 +125,14 @@ pub fn settled(trial: &Trial, i: usize) -> bool {
 
 /// The starts next to the value of nonlinear parameter `i`, other than one it hardly left; beyond
 /// the last one as far as to the one before, within the range.
-pub fn neighbours(trial: &Trial, i: usize) -> [f64; 2] {
-    let parameter = &trial.candidate.effect.about().parameters[trial.candidate.linear() + i];
+pub fn neighbours(trial: &Trial, i: usize, twin: &Twin) -> [f64; 2] {
+    let [min, max] = trial.candidate.range(trial.candidate.linear() + i, twin);
     let now = trial.nonlinear[i];
     if let Some(ends) = trial.candidate.effect.bracket(&trial.nonlinear, i) {
-        return ends.map(|end| parameter.clamp(end));
+        return ends.map(|end| end.clamp(min, max));
     }
     // Evenly spaced in ratio or difference.
-    let by_ratio = parameter.min > 0.0;
+    let by_ratio = min > 0.0;
     let scale = |x: f64| if by_ratio { x.ln() } else { x };
     let mut starts: Vec<f64> = trial.starts.iter().map(|s| scale(s[i])).collect();
     starts.sort_by(f64::total_cmp);
@@ -144,7 +144,7 @@ pub fn neighbours(trial: &Trial, i: usize) -> [f64; 2] {
         (Some(below), Some(above)) => [*below, *above],
         (Some(below), None) => [*below, 2.0 * now - below],
         (None, Some(above)) => [2.0 * now - above, *above],
-        (None, None) => return [parameter.min, parameter.max],
+        (None, None) => return [min, max],
     };
-    [low, high].map(|end| parameter.clamp(if by_ratio { end.exp() } else { end }))
+    [low, high].map(|end| if by_ratio { end.exp() } else { end }.clamp(min, max))
 }

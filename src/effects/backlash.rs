@@ -91,12 +91,12 @@ impl Effect for Backlash {
         true
     }
 
-    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+    fn starts(&self, motion: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
         let axes = [
             ("backlash_stiffness", vec![1e4, 5e4]),
             ("gap_reference", starts::between(2e-4, 0.02, 6)),
         ];
-        starts::grid(ABOUT.parameters, &axes)
+        starts::grid_on(motion, ABOUT.parameters, &axes)
     }
 
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {

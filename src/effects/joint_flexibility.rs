@@ -112,12 +112,16 @@ impl Effect for JointFlexibility {
         true
     }
 
-    fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
+    fn kept(&self) -> &'static [&'static str] {
+        &["joint_hardening", "joint_hysteresis", "hysteresis_width"]
+    }
+
+    fn starts(&self, motion: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
         let axes = [
             ("joint_damping", vec![10.0, 60.0]),
             ("compliance_reference", starts::between(1e-5, 2e-3, 7)),
         ];
-        starts::grid(ABOUT.parameters, &axes)
+        starts::grid_on(motion, ABOUT.parameters, &axes)
     }
 
     fn reach(&self, motion: &Motion<'_>, from: usize, nonlinear: &[f64]) -> Vec<JointSeries> {

@@ -57,6 +57,25 @@ impl Transmission {
         self.gap == 0.0 || self.beyond_gap(wind_up) != 0.0
     }
 
+    /// The side on which teeth touch at a wind-up (rad), -1 or 1; 0 in the gap. A spring always carries.
+    pub fn side(&self, wind_up: f64) -> f64 {
+        if self.touches(wind_up) { wind_up.signum() } else { 0.0 }
+    }
+
+    /// Elastic torque over wind-up beyond the gap, N.m/rad, at a wind-up (rad).
+    pub fn stiffness_at(&self, wind_up: f64) -> f64 {
+        self.stiffness + self.hardening * self.beyond_gap(wind_up).powi(2)
+    }
+
+    /// Slope of the hysteresis at its centre, N.m/rad.
+    pub fn bending(&self) -> f64 {
+        if self.hysteresis > 0.0 {
+            self.hysteresis / self.hysteresis_width.max(f64::MIN_POSITIVE)
+        } else {
+            0.0
+        }
+    }
+
     /// The state of the hysteresis, -1 to 1, after a wind-up by `dw` (rad) more.
     pub fn bent(&self, z: f64, dw: f64) -> f64 {
         if self.hysteresis > 0.0 { dahl(z, dw, self.hysteresis_width) } else { z }
@@ -64,8 +83,7 @@ impl Transmission {
 
     /// Stiffness at small wind-ups with the hysteresis, N.m/rad.
     pub(super) fn stiffest(&self) -> f64 {
-        let bristles = self.hysteresis / self.hysteresis_width.max(f64::MIN_POSITIVE);
-        self.stiffness + if self.hysteresis > 0.0 { bristles } else { 0.0 }
+        self.stiffness + self.bending()
     }
 
     /// These teeth before an elastic joint: one spring after the other, and what else that has itself.

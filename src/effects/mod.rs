@@ -319,7 +319,7 @@ pub trait Effect: Sync {
     fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
         let own = self.about().parameters.iter().filter(|p| p.role == Role::Nonlinear);
         let references = own.zip(nonlinear).filter(|(p, _)| p.is_reference());
-        references.zip(linear).for_each(|((p, r), value)| *r = p.clamp(*value));
+        references.zip(linear).for_each(|((p, r), value)| *r = value.max(p.min));
     }
 
     /// Explain: is it still this effect with these linear parameters, some of which a sign constraint
@@ -346,6 +346,11 @@ pub trait Effect: Sync {
     /// from torque that is as slow.
     fn outruns_motion(&self) -> bool {
         false
+    }
+
+    /// Explain: parameters that refine a law further than recordings tell: they stay as a twin has them, or usual.
+    fn kept(&self) -> &'static [&'static str] {
+        &[]
     }
 
     /// Does it put a spring or a gap between motor and link?

@@ -1,6 +1,6 @@
 //! Where searches for nonlinear parameters begin.
 
-use super::{Motion, Parameter, Role};
+use super::{Motion, Parameter, Role, Size};
 
 /// Values per parameter.
 const POINTS: usize = 7;
@@ -18,6 +18,20 @@ pub(super) fn spread_over(parameters: &[Parameter], min: f64, max: f64) -> Vec<V
     let first = parameters.iter().find(|p| p.role == Role::Nonlinear);
     let axis = first.map(|p| (p.name, between(min, max, POINTS)));
     grid(parameters, axis.as_slice())
+}
+
+/// [`grid`] for a UR5, on the arm of `motion`: by their units values grow with it.
+pub(super) fn grid_on(
+    motion: &Motion<'_>,
+    parameters: &[Parameter],
+    axes: &[(&str, Vec<f64>)],
+) -> Vec<Vec<f64>> {
+    let size = Size::of(motion.robot);
+    let units = parameters.iter().filter(|p| p.role == Role::Nonlinear).map(|p| p.unit);
+    let factors: Vec<f64> = units.map(|unit| size.factor(unit)).collect();
+    let mut rows = grid(parameters, axes);
+    rows.iter_mut().for_each(|row| row.iter_mut().zip(&factors).for_each(|(v, f)| *v *= f));
+    rows
 }
 
 /// Every combination of the `axes` (parameter and its values), the other nonlinear parameters at

@@ -72,8 +72,7 @@ fn following(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, ServoE
     Ok(identify(twin, &[fit], &free, &Settings::default(), watch)?.twin)
 }
 
-/// What is not simulated here (what gives way between motor and link, a contact that lasts a while) cannot be
-/// proved.
+/// What is not simulated here, a contact that lasts a while, cannot be proved.
 fn with_what_is_simulated(settings: &diagnosis::Settings) -> diagnosis::Settings {
     let mut settings = settings.clone();
     let others = CATALOGUE.iter().filter(|e| !is_simulated(**e));

@@ -27,10 +27,10 @@ pub enum ServoError {
     )]
     NotTold,
     #[error(
-        "{effect} has a degree of freedom of its own, which this simulation has not: take it out of the \
-         twin's effects"
+        "joint {joint} gives way between motor and link: that needs a rotor_inertia above 0 in the twin's \
+         [drive], and a stiffness above 0"
     )]
-    Elastic { effect: String },
+    Elastic { joint: usize },
     #[error("`{name}`: {problem}")]
     Term { name: String, problem: String },
     #[error(

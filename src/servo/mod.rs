@@ -23,6 +23,7 @@ mod stick;
 #[cfg(test)]
 mod tests;
 mod track;
+mod wound;
 
 pub use diagnose::{Found, diagnose};
 pub use error::ServoError;

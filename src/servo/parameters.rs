@@ -68,7 +68,7 @@ const MOST_GAIN: f64 = 10.0;
 const LEAST_SHARE: f64 = 1e-4;
 const FIRST_SHARE: f64 = 1e-2;
 
-/// Parameters of these effects at all joints, references and exponents left as they are; the search begins
+/// Parameters of these effects at all joints, references and shapes left as they are; the search begins
 /// at what the twin says, else where the effect vanishes.
 ///
 /// # Errors
@@ -80,19 +80,19 @@ pub fn free_parameters(twin: &Twin, effects: &[String]) -> Result<Vec<Free>, Ser
             |problem: &str| ServoError::Term { name: name.clone(), problem: problem.into() };
         let effect = find(name).ok_or_else(|| wrong("no such effect; see armtwin effects"))?;
         let about = effect.about();
-        if effect.gives_way() {
-            return Err(ServoError::Elastic { effect: name.clone() });
-        }
         let joints: Vec<Option<usize>> = match about.scope {
             Scope::Arm => vec![None],
             _ => (0..twin.robot.dof()).map(Some).collect(),
         };
-        let searched =
-            |p: &&Parameter| !p.is_reference() && !p.is_detail() && !p.name.ends_with("_exponent");
+        let is_shape = |p: &Parameter| {
+            p.is_reference() || p.name.ends_with("_exponent") || effect.kept().contains(&p.name)
+        };
+        let searched = |p: &&Parameter| !p.is_detail() && !is_shape(p);
         for joint in joints {
             for parameter in about.parameters.iter().filter(searched) {
-                // Bodies grow with the arm; any servo may sit at a joint.
-                let own = if joint.is_none() { parameter.on(&size) } else { *parameter };
+                // Bodies and what joins them grow with the arm; any servo may sit at a joint.
+                let of_servo = about.scope == Scope::Joint;
+                let own = if of_servo { *parameter } else { parameter.on(&size) };
                 let start = start(twin, effect, &own, joint.unwrap_or(0));
                 let (min, max) = bounds(effect, &own);
                 let start = start.clamp(min, max);
@@ -167,6 +167,7 @@ pub fn with_values(twin: &Twin, free: &[Free], x: &[f64]) -> Twin {
         }
     }
     keep_near(&mut twin, free);
+    complete_shapes(&mut twin, free);
     complete_references(&mut twin, free);
     twin
 }
@@ -181,6 +182,19 @@ fn keep_near(twin: &mut Twin, free: &[Free]) {
         let Some(over) = twin.values.get(ratio.over).cloned() else { continue };
         let of = twin.values.get_mut(ratio.of).into_iter().flatten();
         of.zip(over).for_each(|(of, over)| *of = of.clamp(-reach * over, reach * over));
+    }
+}
+
+/// What is not fitted is usual where the twin does not have it.
+fn complete_shapes(twin: &mut Twin, free: &[Free]) {
+    let size = Size::of(&twin.robot);
+    for f in free.iter().filter(|f| !f.effect.kept().is_empty()) {
+        let (count, _) = f.places(&twin.robot);
+        let kept = |p: &&Parameter| f.effect.kept().contains(&p.name);
+        for p in f.effect.about().parameters.iter().filter(kept) {
+            let values = twin.values.entry(p.name.into());
+            values.or_insert_with(|| vec![p.on(&size).typical; count]);
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! An arm of position servos, stepped: few joints, rigid links, dry friction as a constraint.
+//! An arm of position servos, stepped: few joints, dry friction as a constraint, transmissions that may give way.
 //!
 //! ```text
 //! (M(q_k) + h D/2) v_{k+1/2} + p = (M - h D/2) v_{k-1/2} + h (tau(q_k) - c - g - loads),  q_{k+1} = q_k + h v_{k+1/2}
@@ -6,15 +6,17 @@
 //!
 //! Velocities lie between positions (leapfrog), which is of second order in h where nothing sticks; D is all
 //! damping, the servos' own included, and p the impulses of dry friction ([`super::stick`]). The effects of
-//! the catalogue act as they do in rapier, which remains the reference.
+//! the catalogue act as they do in rapier, which remains the reference. Where a transmission gives way, its wind-up
+//! is a coordinate beside the motor's angle ([`super::wound`]).
 
 use nalgebra::{DMatrix, DVector};
 
 use super::ServoError;
 use super::stick;
+use super::wound::{self, Wound};
 use crate::effects::{ArmState, JointLoad, Mechanism};
 use crate::resimulation::injections;
-use crate::robot::{Servo, Workspace, inverse_dynamics, mass_matrix};
+use crate::robot::{Servo, Workspace, gravity_torque, inverse_dynamics, mass_matrix};
 use crate::simulation::Injections;
 use crate::twin::Twin;
 
@@ -30,8 +32,13 @@ pub struct Plant {
     /// s since the start of the recording.
     time: f64,
     temperature: Vec<f64>,
+    /// Motors, rad and rad/s.
     q: Vec<f64>,
     v: Vec<f64>,
+    /// Links, rad and rad/s: those of the motors where nothing gives way.
+    link_q: Vec<f64>,
+    link_v: Vec<f64>,
+    wound: Vec<Wound>,
     transmitted: Vec<f64>,
     loads: Vec<JointLoad>,
     impulses: Vec<f64>,
@@ -56,13 +63,11 @@ impl Plant {
     /// Stands at zero to begin with; `start_s` is when the recording begins.
     ///
     /// # Errors
-    /// If the twin has no servos, or an effect this simulation does not have.
+    /// If the twin has no servos, or a motor without a rotor drives a joint that gives way.
     pub fn new(twin: &Twin, start_s: f64) -> Result<Self, ServoError> {
         let assumed = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
         let mechanism = twin.mechanism(|_| true);
-        if let Some(effect) = elastic(twin, &mechanism) {
-            return Err(ServoError::Elastic { effect });
-        }
+        let wound = Wound::all(&mechanism)?;
         let dof = twin.robot.dof();
         let zeros = || vec![0.0; dof];
         Ok(Self {
@@ -74,9 +79,12 @@ impl Plant {
             temperature: vec![USUAL_C; dof],
             q: zeros(),
             v: zeros(),
+            link_q: zeros(),
+            link_v: zeros(),
             transmitted: zeros(),
             loads: vec![JointLoad::default(); dof],
-            impulses: zeros(),
+            impulses: vec![0.0; dof + wound.len()],
+            wound,
             bias: zeros(),
             still: zeros(),
             yields: vec![Yield::default(); dof],
@@ -88,7 +96,8 @@ impl Plant {
         &self.servo
     }
 
-    /// Puts the joints at `q` (rad, as the encoders show it) moving at `v` (rad/s), `time` s after the start.
+    /// Puts the joints at `q` (rad, as the encoders show it) moving at `v` (rad/s), `time` s after the start; what
+    /// gives way hangs at rest under the links' weight.
     pub fn set_state(&mut self, time: f64, q: &[f64], v: &[f64]) {
         self.time = time;
         for (j, zero) in self.mechanism.encoder_zero.iter().enumerate() {
@@ -97,14 +106,21 @@ impl Plant {
         self.v.copy_from_slice(v);
         self.impulses.fill(0.0);
         self.effects.forget();
-        inverse_dynamics(
-            &self.mechanism.robot,
-            &mut self.workspace,
-            &self.q,
-            &self.v,
-            &self.still,
-            &mut self.transmitted,
-        );
+        let robot = &self.mechanism.robot;
+        gravity_torque(robot, &mut self.workspace, &self.q, &mut self.transmitted);
+        self.wound.iter_mut().for_each(|w| w.hang(self.transmitted[w.joint]));
+        self.place_links();
+        let (robot, q, v) = (&self.mechanism.robot, &self.link_q, &self.link_v);
+        inverse_dynamics(robot, &mut self.workspace, q, v, &self.still, &mut self.transmitted);
+    }
+
+    fn place_links(&mut self) {
+        self.link_q.copy_from_slice(&self.q);
+        self.link_v.copy_from_slice(&self.v);
+        for wound in &self.wound {
+            self.link_q[wound.joint] -= wound.angle;
+            self.link_v[wound.joint] -= wound.rate;
+        }
     }
 
     /// Joints are so warm from now on, deg C.
@@ -141,40 +157,75 @@ impl Plant {
             temperature: &self.temperature,
         };
         self.effects.loads(&state, &mut self.loads);
-        inverse_dynamics(robot, &mut self.workspace, &self.q, &self.v, &self.still, &mut self.bias);
-        let mut m = mass_matrix(robot, &mut self.workspace, &self.q);
-        let links = m.clone();
-        let mut b = DVector::zeros(dof);
-        let mut limit = vec![0.0; dof];
-        let mut damping = vec![0.0; dof];
-        for j in 0..dof {
-            m[(j, j)] += self.mechanism.armature[j];
-            let on = if gain[j] > 0.0 { 1.0 } else { 0.0 };
-            damping[j] = self.loads[j].damping + on * self.servo.damping[j];
+        let (link_q, link_v) = (&self.link_q, &self.link_v);
+        inverse_dynamics(robot, &mut self.workspace, link_q, link_v, &self.still, &mut self.bias);
+        let links = mass_matrix(robot, &mut self.workspace, link_q);
+        let mut m = wound::with_wind_ups(&links, &self.wound);
+        let all = self.q.len() + self.wound.len();
+        let mut b = DVector::zeros(all);
+        let mut limit = vec![0.0; all];
+        let rates = self.wound.iter().map(|w| w.rate);
+        let speeds: Vec<f64> = self.v.iter().copied().chain(rates).collect();
+        (0..dof).for_each(|j| m[(j, j)] += self.mechanism.armature[j]);
+        for i in 0..all {
+            b[i] = (0..all).map(|j| m[(i, j)] * speeds[j]).sum();
         }
         for i in 0..dof {
+            let on = if gain[i] > 0.0 { 1.0 } else { 0.0 };
+            let damping = self.loads[i].damping + on * self.servo.damping[i];
             let shown = self.q[i] + self.mechanism.encoder_zero[i];
             let [pull, slope] = self.servo.pull(i, gain[i], command[i] - shown);
             let dry = self.loads[i].dry + self.servo.friction[i] * pull.abs();
             limit[i] = h * dry.max(0.0);
-            let inertia = m[(i, i)];
-            self.yields[i] = Yield { inertia, damping: damping[i], slope, slides: true };
-            let carried: f64 = (0..dof).map(|j| m[(i, j)] * self.v[j]).sum();
+            self.yields[i] = Yield { inertia: m[(i, i)], damping, slope, slides: true };
             let torque = pull - self.bias[i] - self.loads[i].torque;
-            b[i] = carried - 0.5 * h * damping[i] * self.v[i] + h * torque;
+            b[i] += h * torque - 0.5 * h * damping * self.v[i];
+            m[(i, i)] += 0.5 * h * damping;
         }
-        (0..dof).for_each(|j| m[(j, j)] += 0.5 * h * damping[j]);
-        let mut v = vec![0.0; dof];
-        stick::solve(&inverse(m), &b, &limit, &mut self.impulses, &mut v);
+        for (i, wound) in self.wound.iter().enumerate() {
+            b[dof + i] += h * self.bias[wound.joint];
+        }
+        let v = self.speeds_after(h, (m, b), &limit);
+        self.advance(h, &links, &v);
+    }
+
+    /// Speeds of motors and wind-ups after a step, with whichever teeth touch in it.
+    fn speeds_after(
+        &mut self,
+        h: f64,
+        (m, b): (DMatrix<f64>, DVector<f64>),
+        limit: &[f64],
+    ) -> Vec<f64> {
+        let (dof, mut v) = (self.q.len(), vec![0.0; limit.len()]);
+        for _ in 0..wound::TRIES {
+            let (mut m, mut b) = (m.clone(), b.clone());
+            wound::couple(&self.wound, h, &mut m, &mut b);
+            stick::solve(&inverse(m), &b, limit, &mut self.impulses, &mut v);
+            let settled = |(w, rate): (&mut Wound, &f64)| w.is_settled(h, *rate);
+            let settled: Vec<bool> = self.wound.iter_mut().zip(&v[dof..]).map(settled).collect();
+            if settled.into_iter().all(|settled| settled) {
+                break;
+            }
+        }
+        v
+    }
+
+    fn advance(&mut self, h: f64, links: &DMatrix<f64>, v: &[f64]) {
+        let dof = self.q.len();
+        let before = self.link_v.clone();
+        for (wound, rate) in self.wound.iter_mut().zip(&v[dof..]) {
+            wound.advance(h, *rate);
+        }
+        for j in 0..dof {
+            self.v[j] = v[j];
+            self.q[j] += h * v[j];
+            self.yields[j].slides = v[j] != 0.0;
+        }
+        self.place_links();
+        let faster: Vec<f64> = self.link_v.iter().zip(&before).map(|(v, b)| (v - b) / h).collect();
         for i in 0..dof {
-            let accelerated: f64 =
-                (0..dof).map(|j| links[(i, j)] * (v[j] - self.v[j])).sum::<f64>() / h;
+            let accelerated: f64 = (0..dof).map(|j| links[(i, j)] * faster[j]).sum();
             self.transmitted[i] = self.bias[i] + accelerated;
-        }
-        for (j, v) in v.into_iter().enumerate() {
-            self.v[j] = v;
-            self.q[j] += h * v;
-            self.yields[j].slides = v != 0.0;
         }
         self.time += h;
     }
@@ -182,7 +233,7 @@ impl Plant {
     /// # Errors
     /// Names the joint that has left what arms do.
     pub fn check(&self) -> Result<(), ServoError> {
-        let mut states = self.q.iter().zip(&self.v);
+        let mut states = self.link_q.iter().zip(&self.link_v);
         let wild = states.position(|(q, v)| !(q.is_finite() && v.abs() < RUNAWAY_RAD_S));
         let time_s = self.time;
         wild.map_or(Ok(()), |j| Err(ServoError::Diverged { joint: j + 1, time_s }))
@@ -199,13 +250,4 @@ fn inverse(m: DMatrix<f64>) -> DMatrix<f64> {
     }
     let n = m.nrows();
     m.cholesky().map_or_else(|| DMatrix::zeros(n, n), |c| c.inverse())
-}
-
-/// The effect that gives way between motor and link.
-fn elastic(twin: &Twin, mechanism: &Mechanism) -> Option<String> {
-    if mechanism.transmission.iter().all(Option::is_none) {
-        return None;
-    }
-    let name = twin.catalogued().find(|e| e.gives_way()).map(|e| e.about().name);
-    Some(name.unwrap_or("an elastic transmission").into())
 }

@@ -104,7 +104,8 @@ impl<'a> Refits<'a> {
     }
 
     /// What the twin leaves open, and the parameters of the changes where they act, with their values in `start`. Beside
-    /// changes they are expected near those before: what the recording does not tell stays there.
+    /// changes they are expected near those before, as far off as such effects usually are or as a search has them:
+    /// what the recording does not tell stays there.
     fn free(&self, start: &Twin, changes: &[Change]) -> Result<Vec<Free>, ServoError> {
         let open: Vec<String> = self.twin.open().map(|e| e.about().name.to_string()).collect();
         let all = |twin: &Twin| -> Result<Vec<Free>, ServoError> {
@@ -124,7 +125,8 @@ impl<'a> Refits<'a> {
         let placed = |(before, own): (Free, Free)| {
             let linear = own.parameter.role == Role::Linear;
             let expected = if linear { before.expected } else { own.start };
-            Free { start: own.start, expected, ..before }
+            let spread = before.spread.max((own.start - expected).abs());
+            Free { start: own.start, expected, spread, ..before }
         };
         Ok(before.zip(own).map(placed).collect())
     }
@@ -139,7 +141,7 @@ impl<'a> Refits<'a> {
 
 /// Does it change the simulated motion all the time, in a way that is simulated here?
 pub fn is_simulated(effect: &dyn Effect) -> bool {
-    effect.seen() == Seen::Columns && !effect.lasts_a_while() && !effect.gives_way()
+    effect.seen() == Seen::Columns && !effect.lasts_a_while()
 }
 
 fn is_same(a: &Free, b: &Free) -> bool {
