@@ -1,10 +1,10 @@
-"""Arms of position servos: armtwin beside bam on one servo, and on the six of an SO-101.
+"""One position servo: armtwin beside bam.
 
     git clone https://github.com/Rhoban/bam && python3 -m venv peers && peers/bin/pip install optuna cmaes numpy
     peers/bin/python benches/peers/servos.py RECORDINGS --bam bam --work WORK -o docs/servos.md
-    (with --no-fits it takes the fits and diagnoses that WORK holds)
+    (with --no-fits it takes the fits that WORK holds)
 
-RECORDINGS holds rhoban-bam_xl330 and sage-so101. bam's models M1 to M6 are fitted by bam's own fit.py (CMA-ES
+RECORDINGS holds rhoban-bam_xl330. bam's models M1 to M6 are fitted by bam's own fit.py (CMA-ES
 by optuna, --trials of them) on the logs of FIT and judged by its own simulator on all others; its fits are kept
 in WORK, where those that are there are not made again. ARMTWIN is the program (target/release/armtwin).
 """
@@ -145,81 +145,11 @@ def one_servo(arguments):
     return '\n'.join(text)
 
 
-SO101 = """robot = "{robot}"
-tip = "moving_jaw_so101_v1_link"
-[drive]
-rotor_inertia = 0.028
-[servo]
-gain = 17.8
-damping = 0.55
-max_torque = 3.35
-[twin]
-effects = ["coulomb", "viscous"]
-"""
-PAIRS = [('multisine', 'chirp_sweep'), ('chirp_sweep', 'multisine'), ('random_waypoints', 'multisine'),
-         ('multisine', 'random_waypoints'), ('prbs_excitation', 'chirp_sweep'), ('chirp_sweep', 'inertia_coupling'),
-         ('friction_gravity', 'random_waypoints'), ('inertia_coupling', 'friction_gravity'),
-         ('slow_precision', 'multisine'), ('pick_place', 'chirp_sweep')]
-# Of the pairs, those that should name the same leading cause.
-AGREE = 0.9
-
-
 NOT_MEASURED = """## Not measured, and not met
 
-* The play of the SO-101, and what clock jitter makes of all this are not measured.
 * One log, up_and_down at register 800, in which the servo stalls at full duty, was known to be missed by every model
   with friction of the load alone before `servo_friction` was written; it is one of the ten that are not fitted.
-* Speed beside mujoco-sysid. Blind trials are in [servo-trials.md](servo-trials.md)."""
-
-
-def leading(arguments):
-    """The name that leads most answers, or is equal to what leads, and how many."""
-    counts = {}
-    for fit, check in PAIRS:
-        causes = json.loads((arguments.work / f'{fit}_{check}.json').read_text())['causes']
-        for name in {e['effect'] for c in causes[:1] for e in [c, *c['equivalent']]}:
-            counts[name] = counts.get(name, 0) + 1
-    return max(counts.items(), key=lambda item: item[1], default=(None, 0))
-
-
-def said(cause):
-    return ' '.join([cause['effect'], *map(str, cause['joints'])])
-
-
-def six_servos(arguments):
-    folder = arguments.recordings / 'sage-so101'
-    twin = arguments.work / 'so101.toml'
-    twin.write_text(SO101.format(robot=folder / 'so101_new_calib.urdf'))
-    rows, joints, weighed = [], [], []
-    for fit, check in PAIRS:
-        out = arguments.work / f'{fit}_{check}.json'
-        if not out.exists() or not arguments.no_fits:
-            armtwin('diagnose', '--fit', folder / fit, '--check', folder / check, '--from', 5, '--to', 35,
-                    '--twin', twin, '--json', out)
-        found = json.loads(out.read_text())
-        causes = [f'{" or ".join(map(said, [c, *c["equivalent"]]))} ({100 * c["probability"]:.0f} %)'
-                  for c in found['causes']]
-        weighed += [v['value'] for c in found['causes'] for v in c['parameters'] if v['name'] == 'payload_mass']
-        position = found['position']
-        rows.append([fit, check, mrad(position['before_rad']), mrad(position['after_rad']),
-                     '; '.join(causes) or 'none', f'{found["seconds"]:.0f}'])
-        joints.append([f'{fit}, {check}', *(f'{mrad(j["before_rad"])}, {mrad(j["after_rad"])}'
-                                            for j in position['joints'])])
-    name, count = leading(arguments)
-    rounding = [mrad(j['rounding_rad']) for j in position['joints']]
-    return '\n'.join([
-        "Six STS3215 (isaac-sim2real/sage, 50 Hz). The twin is the makers' URDF and MuJoCo values, Coulomb and viscous "
-        'friction open; 30 s of one motion are searched, 30 s of another decide, along which the twin is then led '
-        'from the first sample to the last. Before: friction fitted, nothing added.', '',
-        f'The same leading cause, or its equal, should be named in {100 * AGREE:.0f} % of the pairs: '
-        f'{"met" if count >= AGREE * len(PAIRS) else "**not met**"}, {name or "none"} in {count} of {len(PAIRS)}. '
-        f'Where a payload is named it weighs {min(weighed):.3f} to {max(weighed):.3f} kg (median '
-        f'{np.median(weighed):.3f}, {len(weighed)} pairs). Decided by the size of position errors; in random_waypoints '
-        'joints 2 to 4 are stopped together twice (6 to 7 s, 21 to 22 s), by something that no twin here has, which '
-        'dominates the root mean square there.', '',
-        table(['searched', 'decided on', 'before, mrad', 'after', 'causes', 's'], rows), '',
-        'Joint by joint, root mean square before and after, mrad:', '',
-        table(['', '1', '2', '3', '4', '5', '6'], joints + [['rounding to steps', *rounding]])])
+* Speed beside mujoco-sysid."""
 
 
 def main():
@@ -232,14 +162,13 @@ def main():
     parse.add_argument('-o', '--out', type=Path)
     arguments = parse.parse_args()
     began = time.time()
-    page = ['# Arms that record no torque', '',
+    page = ['# One servo beside bam', '',
             'Made by `python benches/peers/servos.py RECORDINGS --bam BAM --work WORK -o docs/servos.md`.', '',
-            '## One servo beside bam', '',
             'A Dynamixel XL330 that moves .49 kg at .10 m, 16 logs of 6 s (four gain registers, four motions). '
             f'Fitted are kp {" and ".join(map(str, FIT_KP))} with the motions {", ".join(FIT_MOTIONS)}, six logs; '
             'all figures are of the ten others, each simulated from its first sample to its last. bam\'s models '
             f'by bam\'s own fit (CMA-ES, {arguments.trials} trials each, its loss) and simulator at 5 ms.', '',
-            one_servo(arguments), '', '## Six servos of an SO-101', '', six_servos(arguments), '', NOT_MEASURED]
+            one_servo(arguments), '', NOT_MEASURED]
     text = '\n'.join(page) + '\n'
     print(f'{time.time() - began:.0f} s', file=sys.stderr)
     arguments.out.write_text(text) if arguments.out else print(text)
