@@ -216,10 +216,10 @@ impl Plant {
         for (wound, rate) in self.wound.iter_mut().zip(&v[dof..]) {
             wound.advance(h, *rate);
         }
-        for j in 0..dof {
-            self.v[j] = v[j];
-            self.q[j] += h * v[j];
-            self.yields[j].slides = v[j] != 0.0;
+        for (j, v) in v[..dof].iter().enumerate() {
+            self.v[j] = *v;
+            self.q[j] += h * v;
+            self.yields[j].slides = *v != 0.0;
         }
         self.place_links();
         let faster: Vec<f64> = self.link_v.iter().zip(&before).map(|(v, b)| (v - b) / h).collect();
