@@ -94,10 +94,8 @@ impl Wound {
 /// The mass matrix of motors and wind-ups, kg.m2, from that of the links.
 pub fn with_wind_ups(links: &DMatrix<f64>, wound: &[Wound]) -> DMatrix<f64> {
     let dof = links.nrows();
-    let (joint, sign) = (
-        |i: usize| if i < dof { i } else { wound[i - dof].joint },
-        |i: usize| if i < dof { 1.0 } else { -1.0 },
-    );
+    let joint = |i: usize| if i < dof { i } else { wound[i - dof].joint };
+    let sign = |i: usize| if i < dof { 1.0 } else { -1.0 };
     let n = dof + wound.len();
     DMatrix::from_fn(n, n, |i, j| sign(i) * sign(j) * links[(joint(i), joint(j))])
 }
