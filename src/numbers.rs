@@ -73,6 +73,18 @@ fn unsigned_zero(text: String) -> String {
     }
 }
 
+/// A text in which no zero has a sign; its words are parted by single blanks.
+pub fn unsigned_zeros(text: &str) -> String {
+    let word = |word: &str| {
+        let (open, rest) = word.split_at(word.len() - word.trim_start_matches('(').len());
+        let zero = rest.trim_end_matches([')', ',']);
+        let is_zero = zero.len() > 1 && !unsigned_zero(zero.into()).starts_with('-');
+        let rest = if is_zero { rest.trim_start_matches('-') } else { rest };
+        format!("{open}{rest}")
+    };
+    text.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}
+
 /// `2026-11-23` of unix time, s (Hinnant, "chrono-compatible low-level date algorithms", days to civil).
 pub fn day(unix_s: f64) -> String {
     let z = (unix_s / 86400.0).floor() as i64 + 719_468;
@@ -90,6 +102,18 @@ pub fn day(unix_s: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn zeros_in_a_text_have_no_sign() {
+        for (text, said) in [
+            ("-0.000 0.016 -0.002 (0.000 -0.000 -0.00)", "0.000 0.016 -0.002 (0.000 0.000 0.00)"),
+            ("1  -0", "1  0"),
+            ("- -a -0.0a -1.0 +-0.0", "- -a -0.0a -1.0 +-0.0"),
+            ("", ""),
+        ] {
+            assert_eq!(unsigned_zeros(text), said);
+        }
+    }
 
     #[test]
     fn days_are_those_of_the_calendar() {
