@@ -19,16 +19,16 @@ const ROUNDING: f64 = 1e-9;
 /// zero.
 pub(super) fn peaks(piece: &Piece, joint: usize) -> [f64; 3] {
     let last = (piece.duration / GRID_S) as usize;
-    let mut peaks = Peaks { piece, joint, largest: [0.0; 3] };
+    let mut peaks = Peaks { piece, joint, largest: [0.0; 3], least: [0.0; 3] };
     match &piece.shape {
         Shape::Waves { waves, fade } if stride(&waves[joint]) > 1 => {
             let (waves, stride) = (&waves[joint], stride(&waves[joint]));
             // Between these the waves are whole.
             let whole = ((fade / GRID_S).ceil() as usize).min(last);
             let until = (((piece.duration - fade) / GRID_S).floor() as usize).clamp(whole, last);
-            peaks.sift(waves, whole..until, stride);
-            peaks.fade(waves, *fade, 0..whole);
-            peaks.fade(waves, *fade, until..last + 1);
+            peaks.sift(waves, *fade, whole..until, stride);
+            peaks.each(waves, *fade, 0..whole);
+            peaks.each(waves, *fade, until..last + 1);
         }
         _ => peaks.look(0..last + 1),
     }
@@ -46,6 +46,8 @@ struct Peaks<'a> {
     piece: &'a Piece,
     joint: usize,
     largest: [f64; 3],
+    /// What the largest are at least, as rotated waves say.
+    least: [f64; 3],
 }
 
 impl Peaks<'_> {
@@ -56,43 +58,60 @@ impl Peaks<'_> {
         }
     }
 
-    /// Can nothing up to these bounds be new? A bound that is no number says nothing.
-    fn covers(&self, bounds: [f64; 3]) -> bool {
-        (0..3).all(|i| bounds[i] <= self.largest[i])
+    /// At a point of the grid these are about the values.
+    fn raise(&mut self, about: [f64; 3], rounding: [f64; 3]) {
+        self.least = std::array::from_fn(|i| self.least[i].max(about[i].abs() - rounding[i]));
     }
 
-    /// Looks at the points of whole waves between which a sum may be larger than what was found: it is above
-    /// its values at both ends by h^2 / 8 times its largest second derivative at most.
-    fn sift(&mut self, waves: &[Wave], points: Range<usize>, stride: usize) {
+    /// Can nothing up to these bounds be the largest? A bound that is no number says nothing.
+    fn covers(&self, bounds: [f64; 3]) -> bool {
+        (0..3).all(|i| bounds[i] <= self.largest[i].max(self.least[i]))
+    }
+
+    /// Looks at the points of whole waves between which a sum may be the largest: it is above its values at
+    /// both ends by h^2 / 8 times its largest second derivative at most.
+    fn sift(&mut self, waves: &[Wave], fade: f64, points: Range<usize>, stride: usize) {
         let step = stride as f64 * GRID_S;
         let sizes: [f64; 5] = std::array::from_fn(|i| size(waves, i as i32));
-        let above = |i: usize| step * step / 8.0 * sizes[i + 2] + ROUNDING * sizes[i];
-        let mut turning = Turning::new(waves, points.start as f64 * GRID_S, step);
+        let rounding: [f64; 3] = std::array::from_fn(|i| ROUNDING * sizes[i]);
+        let above = |i: usize| step * step / 8.0 * sizes[i + 2] + rounding[i];
+        let start = Turning::new(waves, points.start as f64 * GRID_S, step);
+        let mut turning = start.clone();
+        for _ in points.clone().step_by(stride) {
+            self.raise(turning.sums(), rounding);
+            turning.turn();
+        }
+        turning = start;
         let mut here = turning.sums();
         for from in points.clone().step_by(stride) {
             turning.turn();
             let next = turning.sums();
             let bounds = std::array::from_fn(|i| here[i].abs().max(next[i].abs()) + above(i));
             if !self.covers(bounds) {
-                self.look(from..(from + stride).min(points.end));
+                self.each(waves, fade, from..(from + stride).min(points.end));
             }
             here = next;
         }
     }
 
-    /// Looks at the points of waves that are faded, where they may be larger than what was found.
-    fn fade(&mut self, waves: &[Wave], fade: f64, points: Range<usize>) {
+    /// Looks at those points at which rotated waves may be the largest.
+    fn each(&mut self, waves: &[Wave], fade: f64, points: Range<usize>) {
         let steepest = [1.0, STEP_PEAK[0] / fade, STEP_PEAK[1] / (fade * fade)];
         let sizes = std::array::from_fn(|i| size(waves, i as i32));
         let rounding = product(steepest, sizes).map(|size| ROUNDING * size);
         let mut turning = Turning::new(waves, points.start as f64 * GRID_S, GRID_S);
-        for k in points {
+        let about = points.clone().map(|k| {
             let window = window(k as f64 * GRID_S, self.piece.duration, fade);
-            let about = product(window, turning.sums());
-            if !self.covers(std::array::from_fn(|i| about[i].abs() + rounding[i])) {
+            let about = product(window, turning.sums()).map(f64::abs);
+            turning.turn();
+            about
+        });
+        let about: Vec<[f64; 3]> = about.collect();
+        about.iter().for_each(|about| self.raise(*about, rounding));
+        for (k, about) in points.zip(about) {
+            if !self.covers(std::array::from_fn(|i| about[i] + rounding[i])) {
                 self.look(k..k + 1);
             }
-            turning.turn();
         }
     }
 }
@@ -104,6 +123,7 @@ fn size(waves: &[Wave], order: i32) -> f64 {
 }
 
 /// Waves that are turned on by the same step again and again, which costs less than a sine each time.
+#[derive(Clone)]
 struct Turning {
     /// Amplitude times sine and cosine of the phase at the moment.
     now: Vec<[f64; 2]>,
@@ -160,13 +180,13 @@ mod tests {
     fn nothing_large_is_passed_over() {
         for (seed, duration, fade) in (0..40).map(|k| (k, [14.0, 3.0, 61.7][k as usize % 3], 0.7)) {
             let piece = drawn(seed, duration, fade);
-            let mut all = Peaks { piece: &piece, joint: 0, largest: [0.0; 3] };
+            let mut all = Peaks { piece: &piece, joint: 0, largest: [0.0; 3], least: [0.0; 3] };
             all.look(0..(duration / GRID_S) as usize + 1);
             assert_eq!(peaks(&piece, 0), all.largest, "seed {seed}");
         }
     }
 
-    /// Of a motion of a day, which is planned in no time.
+    /// A motion of a day is planned in no time.
     #[test]
     fn waves_that_are_turned_on_for_long_are_still_where_they_belong() {
         let piece = drawn(1, 86_400.0, 2.0);
