@@ -9,6 +9,10 @@ pub trait Watch: Sync {
     /// `done` of `of` parts of what is being done are done; nobody knows how many there are where `of` is 0.
     fn tell(&self, _doing: &'static str, _done: u64, _of: u64) {}
 
+    /// `done` rounds of what is being done are done, and they are `at_most` in all: that number becomes smaller
+    /// as it becomes known.
+    fn bound(&self, _doing: &'static str, _done: u64, _at_most: u64) {}
+
     /// What was done with a recording that its owner should know.
     fn note(&self, _text: &str) {}
 

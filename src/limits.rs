@@ -151,6 +151,12 @@ pub static SETTINGS: Limit = Limit {
     why: "the longest that comes with armtwin has 4 kB",
     remedy: "check that this is the twin, scenario, study or column map that was meant",
 };
+pub static SINES: Limit = Limit {
+    most: 100_000,
+    of: "sines times seconds in a series",
+    why: "a designed minute of six joints has 4 320",
+    remedy: "design a shorter motion, or one of fewer harmonics",
+};
 pub static RECIPE: Limit = Limit {
     most: 512,
     of: "quantities in a recipe of RTDE",
@@ -191,6 +197,7 @@ pub static ALL: &[&Limit] = &[
     &LINKS,
     &ARM,
     &SETTINGS,
+    &SINES,
     &RECIPE,
     &CLIENTS,
     &UNREAD,

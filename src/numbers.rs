@@ -73,9 +73,56 @@ fn unsigned_zero(text: String) -> String {
     }
 }
 
+/// A text in which no zero has a sign; its words are parted by single blanks.
+pub fn unsigned_zeros(text: &str) -> String {
+    let word = |word: &str| {
+        let (open, rest) = word.split_at(word.len() - word.trim_start_matches('(').len());
+        let zero = rest.trim_end_matches([')', ',']);
+        let is_zero = zero.len() > 1 && !unsigned_zero(zero.into()).starts_with('-');
+        let rest = if is_zero { rest.trim_start_matches('-') } else { rest };
+        format!("{open}{rest}")
+    };
+    text.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}
+
+/// `2026-11-23` of unix time, s (Hinnant, "chrono-compatible low-level date algorithms", days to civil).
+pub fn day(unix_s: f64) -> String {
+    let z = (unix_s / 86400.0).floor() as i64 + 719_468;
+    let era = z.div_euclid(146_097);
+    let doe = z.rem_euclid(146_097);
+    let yoe = (doe - doe / 1460 + doe / 36_524 - doe / 146_096) / 365;
+    let doy = doe - (365 * yoe + yoe / 4 - yoe / 100);
+    let mp = (5 * doy + 2) / 153;
+    let d = doy - (153 * mp + 2) / 5 + 1;
+    let m = if mp < 10 { mp + 3 } else { mp - 9 };
+    let y = yoe + era * 400 + i64::from(m <= 2);
+    format!("{y:04}-{m:02}-{d:02}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn zeros_in_a_text_have_no_sign() {
+        for (text, said) in [
+            ("-0.000 0.016 -0.002 (0.000 -0.000 -0.00)", "0.000 0.016 -0.002 (0.000 0.000 0.00)"),
+            ("1  -0", "1  0"),
+            ("- -a -0.0a -1.0 +-0.0", "- -a -0.0a -1.0 +-0.0"),
+            ("", ""),
+        ] {
+            assert_eq!(unsigned_zeros(text), said);
+        }
+    }
+
+    #[test]
+    fn days_are_those_of_the_calendar() {
+        for (unix, date) in
+            [(0.0, "1970-01-01"), (951_827_696.0, "2000-02-29"), (1_795_392_000.0, "2026-11-23")]
+        {
+            assert_eq!(day(unix), date);
+        }
+    }
 
     #[test]
     fn digits_follow_the_interval() {

@@ -1,7 +1,7 @@
 //! Every reader against damaged and invented files: no panic, no second, no 512 MB.
 //!
 //! cargo run --release --example fuzz -- --seconds 100
-//! cargo run --release --example fuzz -- --executions 10000000 --kept target/fuzz --page docs/fuzzing.md
+//! cargo run --release --example fuzz -- --executions 10000000 --kept docs/fuzzing --page docs/fuzzing.md
 //! cargo run --release --example fuzz -- mcap --executions 1000000 --seed 7
 //!
 //! Each target runs in a process of its own, so that what kills it is found as well. It mutates seeds (files
@@ -39,9 +39,11 @@ struct Args {
     /// For all targets together
     #[arg(long)]
     seconds: Option<f64>,
+    /// Random seed; with --kept that of the first part
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Keep what each target found in this folder, and do not run again what is kept there
+    /// Keep what each target found in this folder, and do not run again what is kept there; without
+    /// --executions and --seconds nothing is run
     #[arg(long, value_name = "FOLDER")]
     kept: Option<PathBuf>,
     /// Write what was found as a page
@@ -71,54 +73,45 @@ fn main() -> ExitCode {
     if let Some(file) = &args.input {
         return run::once(chosen[0], file);
     }
-    let limit = run::Limit {
-        executions: args.executions.unwrap_or(u64::MAX),
-        seconds: args.seconds.map_or(f64::INFINITY, |s| s / chosen.len() as f64),
-    };
-    if args.executions.is_none() && args.seconds.is_none() {
+    if args.executions.is_none() && args.seconds.is_none() && args.kept.is_none() {
         eprintln!("error: say how long, with --seconds or --executions");
         return ExitCode::from(2);
     }
+    let limit = limit(&args, chosen.len());
     if args.alone {
         run::alone(chosen[0], &limit, args.seed);
         return ExitCode::SUCCESS;
     }
-    let mut results = Vec::new();
-    for target in chosen {
-        match result(target, &limit, &args) {
-            Ok(result) => results.push(result),
-            Err(error) => {
-                eprintln!("error: {error}");
-                return ExitCode::FAILURE;
-            }
+    match all_of(&chosen, &limit, &args) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
         }
-    }
-    if let Some(path) = &args.page
-        && let Err(error) = std::fs::write(path, page::page(&results, args.seed))
-    {
-        eprintln!("error: {}: {error}", path.display());
-        return ExitCode::FAILURE;
-    }
-    match results.iter().all(|r| r.findings.is_empty()) {
-        true => ExitCode::SUCCESS,
-        false => ExitCode::FAILURE,
     }
 }
 
-/// What is kept of the target, else what a run of it finds.
-fn result(
-    target: &targets::Target,
-    limit: &run::Limit,
-    args: &Args,
-) -> std::io::Result<run::Result> {
-    let Some(folder) = &args.kept else {
-        return Ok(run::in_a_process(target, limit, args.seed));
-    };
-    if let Some(known) = kept::known(folder, target.name, limit, args.seed) {
-        println!("{}", known.line());
-        return Ok(known);
+fn limit(args: &Args, targets: usize) -> run::Limit {
+    let nothing = args.executions.is_none() && args.seconds.is_none();
+    run::Limit {
+        executions: args.executions.unwrap_or(if nothing { 0 } else { u64::MAX }),
+        seconds: args.seconds.map_or(f64::INFINITY, |s| s / targets as f64),
     }
-    let found = run::in_a_process(target, limit, args.seed);
-    kept::keep(folder, &found)?;
-    Ok(found)
+}
+
+/// Runs the targets and writes the page; whether no rule was broken.
+fn all_of(targets: &[&targets::Target], limit: &run::Limit, args: &Args) -> std::io::Result<bool> {
+    let mut results = Vec::new();
+    for target in targets {
+        results.push(match &args.kept {
+            Some(folder) => kept::runs(folder, target, limit, args.seed)?,
+            None => vec![run::in_a_process(target, limit, args.seed)],
+        });
+    }
+    results.retain(|runs| !runs.is_empty());
+    if let Some(path) = &args.page {
+        std::fs::write(path, page::page(&results))?;
+    }
+    Ok(results.iter().flatten().all(run::Result::is_sound))
 }

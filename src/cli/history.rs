@@ -123,7 +123,7 @@ fn page(dir: &Path, rows: &Recording, events: &[serde_json::Value]) -> String {
     let joints = (0..).take_while(|j| rows.channel(&column("gap_nm", *j)).is_some()).count();
     let mut days: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for (k, time) in rows.time.iter().enumerate() {
-        days.entry(super::watch::day(*time)).or_default().push(k);
+        days.entry(crate::numbers::day(*time)).or_default().push(k);
     }
     let header: Vec<String> = (1..=joints).map(|j| format!("joint {j} ")).collect();
     let mut header: Vec<&str> = header.iter().map(String::as_str).collect();

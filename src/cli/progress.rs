@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 
 use super::interrupt;
 use crate::follow::Watch;
@@ -18,7 +18,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Of work that Ctrl-C ends when it is asked whether it goes on.
+    /// Follows work that Ctrl-C ends when it is asked whether it goes on.
     pub fn interruptible() -> Self {
         Self { shown: Mutex::default(), stop: Some(interrupt::flag()) }
     }
@@ -50,6 +50,14 @@ impl Watch for Progress {
         }
         if let Some((_, bar)) = shown.as_ref().filter(|_| of > 0) {
             bar.set_position(done.max(bar.position()));
+        }
+    }
+
+    fn bound(&self, doing: &'static str, done: u64, at_most: u64) {
+        self.tell(doing, 0, 0);
+        let shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, bar)) = shown.as_ref() {
+            bar.set_message(bounded(doing, bar.elapsed(), done, at_most));
         }
     }
 
@@ -93,9 +101,33 @@ pub fn spinner(what: &str) -> ProgressBar {
     bar
 }
 
+/// What is being done and how long it takes at most, if rounds take as long as those before.
+fn bounded(doing: &str, elapsed: Duration, done: u64, at_most: u64) -> String {
+    let left = elapsed.as_secs_f64() / done as f64 * at_most.saturating_sub(done) as f64;
+    match left.is_finite() {
+        true => {
+            format!("{doing}, about {} left at most", HumanDuration(Duration::from_secs_f64(left)))
+        }
+        false => doing.into(),
+    }
+}
+
 /// A page that stays where it is and changes when there is something new.
 pub fn calm() -> ProgressBar {
     let style = ProgressStyle::with_template("{msg}");
     ProgressBar::new_spinner()
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_left_is_told_once_a_round_is_done() {
+        let told = |done, at_most| bounded("searching", Duration::from_secs(6), done, at_most);
+        assert_eq!(told(0, 10), "searching");
+        assert_eq!(told(3, 10), "searching, about 14 seconds left at most");
+        assert_eq!(told(3, 3), "searching, about 0 seconds left at most");
+    }
 }

@@ -34,7 +34,7 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     #[serde(default)]
     pub by: By,
-    /// Of position servos: how the twin, led along the command, follows the check recording.
+    /// How the twin, led along the command, follows the check recording, where servos record no torque.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position: Option<Position>,
     /// Where the twin differs, before anything is added to it.
@@ -91,8 +91,8 @@ pub struct JointGap {
     pub joint: usize,
     /// Root mean square on the check recording, N.m, while sliding.
     pub rms_nm: f64,
-    /// Of position servos: of the position, simulated along the command, and what the encoder's steps alone
-    /// leave, rad.
+    /// What is left of the position, simulated along the command, where servos record no torque, and what
+    /// the encoder's steps alone leave, rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rms_rad: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]

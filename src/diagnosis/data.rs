@@ -63,7 +63,7 @@ impl<'a> Data<'a> {
         Self { twin, parts, features, rated, shares, scale_error, watch, kept, sensed }
     }
 
-    /// The same recordings, in work that `watch` may end.
+    /// These recordings, in work that `watch` may end.
     pub fn watched(self, watch: &'a dyn Watch) -> Self {
         Self { watch, ..self }
     }

@@ -23,6 +23,8 @@ use crate::twin::Twin;
 const REFINED: usize = 4;
 /// Rounds of searching every effect again, given the others.
 const ROUNDS: usize = 4;
+/// What is told of it.
+pub const LOCATING: &str = "searching for nonlinear parameters";
 /// Gains of log-likelihood that are worth another round, nats.
 const SETTLED: f64 = 0.5;
 
@@ -71,7 +73,10 @@ fn searched(
     }
     let each = |e: &&'static dyn Effect| places(*e, twin.robot.dof());
     let candidates: Vec<Candidate> = curved.iter().chain(&open).flat_map(each).collect();
-    while let Some(more) = next(&data, &model, &candidates) {
+    for found in 0.. {
+        // Every round but the last finds one of them.
+        watch.bound(LOCATING, found, candidates.len() as u64 + 1);
+        let Some(more) = next(&data, &model, &candidates) else { break };
         model = more;
         // What the twin gives stays.
         let given = model.causes.iter().take_while(|t| t.searched.is_empty()).count();

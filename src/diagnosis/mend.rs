@@ -16,7 +16,7 @@ pub fn mend(twin: &Twin, fitted: &BTreeMap<String, Vec<f64>>, causes: &[Cause]) 
     changed(twin, fitted, &changes)
 }
 
-/// The same of changes that are no causes yet.
+/// The twin with values found and with changes that are no causes yet.
 pub fn changed(twin: &Twin, fitted: &BTreeMap<String, Vec<f64>>, changes: &[Change]) -> Twin {
     let mut mended = twin.clone();
     for (name, values) in fitted.iter().filter(|(_, v)| v.iter().all(|v| v.is_finite())) {

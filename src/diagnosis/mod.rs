@@ -41,6 +41,7 @@ mod refine;
 mod regimes;
 mod repeats;
 mod revise;
+mod rounds;
 mod screen;
 mod search;
 mod shrink;
@@ -69,10 +70,11 @@ pub use episodes::{Episode, Touch};
 pub use experiment::TWIN;
 pub use floor::{Floor, FloorFrom, noise_floor};
 pub use gap::gap;
-pub use locate::locate;
+pub use locate::{LOCATING, locate};
 pub use mend::{changed, mend};
 pub use proved::{Proof, Stands};
 pub use reasons::by_reason;
+pub use rounds::SEARCHING;
 pub use shrink::{BeforeAfter, torque_shrink};
 pub use traces::{Held, JointTraces, Traces};
 
@@ -221,8 +223,10 @@ fn once(
         observed.map_err(|error| error.of(which))
     };
     let (fit, check) = (observed(0, "fit")?, observed(1, "check")?);
-    let both = counted(data::Data::new(vec![&fit, &check], settings).watched(watch));
-    let alone = counted(data::Data::new(vec![&fit], settings).watched(watch));
+    let rounds = rounds::Rounds::new(watch, settings.criteria.most_causes);
+    let [one, other_one] = [0, 1].map(|search| rounds.of(search));
+    let both = counted(data::Data::new(vec![&fit, &check], settings).watched(&one));
+    let alone = counted(data::Data::new(vec![&fit], settings).watched(&other_one));
     let other = counted(data::Data::new(vec![&check], settings).watched(watch));
     let search = |data, recordings: &[usize]| hypotheses::Hypotheses {
         data,

@@ -8,6 +8,7 @@ use super::fit::Fit;
 use super::hypotheses::{Hypotheses, Hypothesis, WEIGHED};
 use super::model::Model;
 use super::revise::revised;
+use super::rounds::SEARCHING;
 use super::screen::screen;
 
 /// One round: what was weighed, and what was added of it.
@@ -49,6 +50,9 @@ pub fn search<'a>(all: &Hypotheses<'a>) -> Found<'a> {
 pub fn grown<'a>(all: &Hypotheses<'a>, start: Fit<'a>, mut last: Fit<'a>) -> Found<'a> {
     let (mut rounds, mut first) = (Vec::new(), Vec::new());
     while last.model.causes.len() < all.criteria.most_causes {
+        // Every round but the last adds a cause.
+        let left = all.criteria.most_causes - last.model.causes.len();
+        tell(all, rounds.len(), left);
         let open = all.open(&last.model);
         let screened = screen(&last, &open);
         if rounds.is_empty() {
@@ -68,7 +72,13 @@ pub fn grown<'a>(all: &Hypotheses<'a>, start: Fit<'a>, mut last: Fit<'a>) -> Fou
             break;
         }
     }
+    tell(all, rounds.len(), 0);
     Found { start, last, rounds, screened: first }
+}
+
+/// Tells who follows how many rounds are done, and how many are left at most.
+fn tell(all: &Hypotheses<'_>, done: usize, left: usize) {
+    all.data.watch.bound(SEARCHING, done as u64, (done + left) as u64);
 }
 
 /// The best cause that acts on several joints, or the best of every joint where those have more

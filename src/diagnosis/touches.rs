@@ -74,7 +74,7 @@ fn in_recording(
         every: own.decimation(),
         noise: &noise,
     };
-    contacts(&residual, &Criteria::default())
+    contacts(&residual, &Criteria::default(), &())
 }
 
 #[cfg(test)]

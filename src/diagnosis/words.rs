@@ -52,7 +52,21 @@ pub fn headline(d: &Diagnosis) -> String {
         .unwrap_or_else(|| told(1))
 }
 
+/// Does what was found surely take the twin further from the recording that was not searched?
+fn is_worse(d: &Diagnosis) -> bool {
+    d.shrink.torque.above_noise().is_some_and(|[_, _, high]| high < 0.0)
+}
+
+/// What it means if it does.
+const WORSE: &str = "what is found on one recording makes the other worse; the arm is not the same in both, \
+                     perhaps its load";
+
 fn explained(d: &Diagnosis) -> String {
+    if is_worse(d) {
+        return "What is found on one recording makes the other worse: is the arm the same, with its \
+                load? T"
+            .into();
+    }
     match d.shrink.torque.above_noise() {
         Some([share, ..]) => {
             format!("{} of the gap above the noise is explained: t", percent(share))
@@ -77,8 +91,9 @@ fn uncertain(d: &Diagnosis) -> String {
 /// What belongs to the headline: the gap in N.m, what stays, and who pushed.
 pub fn further(d: &Diagnosis) -> String {
     let torque = &d.shrink.torque;
+    let goes = if is_worse(d) { "grows" } else { "shrinks" };
     let sizes = format!(
-        "The gap shrinks from {:.2} to {:.2} N.m (noise: {:.2} N.m) on a recording that was not \
+        "The gap {goes} from {:.2} to {:.2} N.m (noise: {:.2} N.m) on a recording that was not \
          searched.",
         torque.before_nm, torque.after_nm, torque.noise_floor_nm
     );
@@ -95,6 +110,7 @@ pub fn further(d: &Diagnosis) -> String {
 pub fn above_noise(d: &Diagnosis) -> String {
     let t = &d.shrink.torque;
     let share = match t.above_noise().map(|share| share.map(percent)) {
+        Some(_) if is_worse(d) => WORSE.into(),
         Some([share, low, high]) => format!(
             "{share} of the gap above the noise is explained (90 % interval {low} to {high}; shares are of \
              mean squares)"
@@ -126,6 +142,10 @@ fn unexplained(d: &Diagnosis) -> String {
 
 fn shrinks(d: &Diagnosis) -> String {
     let torque = &d.shrink.torque;
+    if is_worse(d) {
+        let [before, after] = [torque.before_nm, torque.after_nm];
+        return format!("With it the gap grows from {before:.2} to {after:.2} N.m: {WORSE}.");
+    }
     let share = torque.above_noise().map_or(String::new(), |share| {
         let [share, low, high] = share.map(percent);
         format!(": {share} of what lies above the noise ({low} to {high})")

@@ -154,7 +154,7 @@ impl Effect for JointFlexibility {
     }
 }
 
-/// Of a compliance, and of hardening, damping, hysteresis and its width.
+/// The spring of a compliance, and of hardening, damping, hysteresis and its width.
 fn spring(compliance: f64, law: &[f64]) -> Transmission {
     Transmission {
         stiffness: 1.0 / compliance,

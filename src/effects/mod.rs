@@ -204,9 +204,9 @@ pub enum DriveKind {
 /// What not every recording has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Needed {
-    /// Of the motors, beside their positions.
+    /// The speed of the motors, beside their positions.
     Velocity,
-    /// Of the joints.
+    /// The temperature of the joints.
     Temperature,
 }
 

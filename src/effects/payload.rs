@@ -69,7 +69,7 @@ impl Effect for Payload {
         &CENTRE
     }
 
-    /// Of the inertia alone.
+    /// What is expected of the inertia alone.
     fn expected(&self, robot: &Robot, _: usize) -> Vec<f64> {
         let inertia = SHARE_OF_MASS * robot.mass() * (SHARE_OF_REACH * robot.reach()).powi(2);
         [[f64::INFINITY; 4].as_slice(), &[inertia; 6]].concat()

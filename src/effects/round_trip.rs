@@ -32,7 +32,7 @@ impl RoundTrip {
         Self::Fitted { strengths: [1.0, 0.5], motion_cutoff_hz: 8.0, shows }
     }
 
-    /// The same for an elastic or slack joint: half of a usual elasticity hides in the noise.
+    /// What is fitted of an elastic or slack joint: half of a usual elasticity hides in the noise.
     pub const fn fitted_wind_up(shows: &'static [&'static str]) -> Self {
         Self::Fitted { strengths: [1.0, 2.0], motion_cutoff_hz: 20.0, shows }
     }

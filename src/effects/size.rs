@@ -134,7 +134,7 @@ mod tests {
         assert!(smaller.torque < 0.5 && smaller.mass < 0.7 && smaller.reach < 0.7, "{smaller:?}");
     }
 
-    /// Of an arm without rated torques as of one with them, within a factor.
+    /// An arm without rated torques has the sizes of one with them, within a factor.
     #[test]
     fn weight_stands_for_rated_torque() {
         for name in ["ur5", "ur10e", "ur3e"] {

@@ -35,6 +35,7 @@ use contact::Stretch;
 use model::{Mode, Steps, Switching};
 use places::{along, places};
 
+use crate::follow::Watch;
 use crate::robot::Robot;
 use crate::series::JointSeries;
 
@@ -105,16 +106,23 @@ pub struct Residual<'a> {
 /// Standard gravity, m/s^2.
 const G: f64 = 9.81;
 
-/// Contacts in a recording, in the order of time.
-pub fn contacts(input: &Residual<'_>, criteria: &Criteria) -> Vec<Contact> {
+/// Contacts in a recording, in the order of time. `watch` is told how far the search is.
+pub fn contacts(input: &Residual<'_>, criteria: &Criteria, watch: &dyn Watch) -> Vec<Contact> {
     let mut all = places(input.robot);
     if criteria.at_flange {
         all.retain(|place| place.link + 1 == input.robot.dof());
     }
-    let mut found: Vec<Contact> = crate::signals::runs(input.usable)
+    let pieces: Vec<Vec<usize>> = crate::signals::runs(input.usable)
         .into_iter()
-        .flat_map(|whole| in_one_piece(input, criteria, &all, whole))
+        .map(|whole| whole.step_by(input.every.max(1)).collect())
         .collect();
+    let of: usize = pieces.iter().map(Vec::len).sum();
+    let (mut found, mut before) = (Vec::new(), 0);
+    for samples in &pieces {
+        let tell = |k| watch.tell("searching for contacts, step", (before + k) as u64, of as u64);
+        found.extend(in_one_piece(input, criteria, &all, samples, &tell));
+        before += samples.len();
+    }
     let told = |c: &Contact| {
         c.log_odds >= criteria.log_odds
             && c.explained >= criteria.explained
@@ -125,18 +133,18 @@ pub fn contacts(input: &Residual<'_>, criteria: &Criteria) -> Vec<Contact> {
     found
 }
 
-/// Samples without a gap between them.
+/// Contacts in samples without a gap between them; `tell` hears how many are searched.
 fn in_one_piece(
     input: &Residual<'_>,
     criteria: &Criteria,
     places: &[places::Place],
-    whole: Range<usize>,
+    samples: &[usize],
+    tell: &dyn Fn(usize),
 ) -> Vec<Contact> {
-    let samples: Vec<usize> = whole.step_by(input.every.max(1)).collect();
     let times: Vec<f64> = samples.iter().map(|k| input.start + *k as f64 * input.dt).collect();
-    let steps = steps(input, criteria, places, &samples);
+    let steps = steps(input, criteria, places, samples);
     let switching = Switching::new(criteria, steps.dt, places.len());
-    let modes = search::course(&steps, &switching);
+    let modes = search::course(&steps, &switching, tell);
     let near = (criteria.force_s / steps.dt) as usize;
     let stretches = touched(&modes, near);
     let modes = whole_contacts(&modes, &stretches);

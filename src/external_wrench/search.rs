@@ -29,11 +29,12 @@ struct Change {
     before: Option<Rc<Change>>,
 }
 
-/// The mode at every step of the most probable course.
-pub fn course(steps: &Steps, switching: &Switching) -> Vec<Mode> {
+/// The mode at every step of the most probable course; `tell` hears how many steps are done.
+pub fn course(steps: &Steps, switching: &Switching, tell: &dyn Fn(usize)) -> Vec<Mode> {
     let start = Course { belief: steps.start(), mode: None, log_evidence: 0.0, changes: None };
     let mut courses = vec![start];
     for k in 0..steps.len() {
+        tell(k);
         courses = branched(&courses, k, steps.levers.len(), switching);
         for course in &mut courses {
             course.log_evidence += steps.step(&mut course.belief, k, course.mode);

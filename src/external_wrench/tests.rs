@@ -1,5 +1,7 @@
 //! Known forces on a UR5 at rest and in motion come back.
 
+use std::sync::Mutex;
+
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -23,6 +25,10 @@ struct Scene {
 
 impl Scene {
     fn contacts(&self) -> Vec<Contact> {
+        self.followed(&())
+    }
+
+    fn followed(&self, watch: &dyn Watch) -> Vec<Contact> {
         let robot = tables::ur5::TABLE.robot();
         let count = (self.seconds / DT) as usize;
         let moves = if self.friction.holds() { 0.0 } else { 0.6 };
@@ -52,7 +58,7 @@ impl Scene {
             every: 1,
             noise: &noise,
         };
-        contacts(&residual, &Criteria::default())
+        contacts(&residual, &Criteria::default(), watch)
     }
 
     fn noise(&self) -> Noise {
@@ -176,4 +182,24 @@ fn a_drag_along_a_table_is_one_contact() {
     assert!((15.0..18.3).contains(&contact.end_s), "{}", contact.end_s);
     let [force, sd] = at(contact, 13.0);
     assert!((force - 25.0).abs() < 3.0 * sd.max(contact.peak_sd_n / 2.0), "{force} +- {sd}");
+}
+
+/// Somebody who writes down what is told.
+#[derive(Default)]
+struct Told(Mutex<Vec<(u64, u64)>>);
+
+impl Watch for Told {
+    fn tell(&self, _doing: &'static str, done: u64, of: u64) {
+        self.0.lock().unwrap().push((done, of));
+    }
+}
+
+/// Time left is told from it.
+#[test]
+fn how_far_the_search_is_is_told_step_by_step() {
+    let scene = Scene { friction: Friction::Slides, seed: 1, seconds: 5.0, link: 5, force: push };
+    let heard = Told::default();
+    scene.followed(&heard);
+    let told: Vec<_> = (0..100).map(|k| (k, 100)).collect();
+    assert_eq!(*heard.0.lock().unwrap(), told);
 }

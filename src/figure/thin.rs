@@ -27,7 +27,7 @@ pub fn thinned(points: &[(f64, f64)], places: usize) -> Vec<(f64, f64)> {
     kept
 }
 
-/// Of every so many rows one, so that `most` are left.
+/// One of every so many rows, so that `most` are left.
 pub fn every(x: &[f64], y: &[f64], most: usize) -> Vec<(f64, f64)> {
     let stride = x.len().div_ceil(most.max(1)).max(1);
     x.iter().copied().zip(y.iter().copied()).step_by(stride).collect()

@@ -17,7 +17,7 @@ pub struct Recorder {
     journal: Option<Journal>,
     /// Rows that a file takes.
     most: u64,
-    /// Of files that are full, and are being turned into what was asked for.
+    /// Threads for files that are full, and are being turned into what was asked for.
     finishing: Vec<JoinHandle<Result<PathBuf, RecordingError>>>,
     parts: u64,
     rows: u64,

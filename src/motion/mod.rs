@@ -8,6 +8,7 @@
 mod envelope;
 mod mixed;
 mod path;
+mod peaks;
 mod plateaus;
 mod point_to_point;
 mod series;

@@ -92,13 +92,15 @@ struct Passes {
 
 impl Passes {
     fn strokes(&self, acceleration: f64) -> Vec<Stroke> {
-        let pairs = (self.speed.abs() * self.duration / 2.0 / self.room).ceil().max(1.0);
+        let pairs = (self.speed.abs() * self.duration / 2.0 / self.room).ceil();
+        // Where there is hardly any room, slower strokes and not ever more of them.
+        let pairs = pairs.min(self.duration / 4.0 / SHORTEST_BLEND_S).max(1.0).floor();
         let duration = self.duration / (2.0 * pairs);
         let blend = (BLEND_PEAK * self.speed.abs() / acceleration).max(SHORTEST_BLEND_S);
+        let blend = blend.min(duration / 2.0);
         // Too short for the full speed: what can be reached with the whole stroke as blends.
         let reached = self.speed.abs().min(acceleration * duration / 2.0 / BLEND_PEAK);
-        let speed = reached.copysign(self.speed);
-        let blend = blend.min(duration / 2.0);
+        let speed = reached.min(self.room / (duration - blend)).copysign(self.speed);
         let there = Stroke { start: self.start, duration, blend, speed, offset: 0.0 };
         (0..2 * pairs as usize)
             .map(|i| {

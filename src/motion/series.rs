@@ -1,9 +1,10 @@
 //! A finite Fourier series with given coefficients: the motion that somebody designed.
 
 use super::path::Path;
+use super::peaks::peaks;
 use super::trajectory::{Piece, Shape, Trajectory, Wave};
-use super::waves::peaks;
 use super::{Envelope, MotionError, Sampled};
+use crate::limits::SINES;
 use crate::robot::Robot;
 
 /// The `[motion.series]` table: q = home + window(t) sum over k of a_k sin(k w t) + b_k cos(k w t),
@@ -79,6 +80,8 @@ impl Series {
         let (sine, cosine) = (&self.sine_rad, &self.cosine_rad);
         let paired = sine.iter().zip(cosine).all(|(a, b)| a.len() == b.len());
         let whole = sine.len() == dof && cosine.len() == dof && paired;
+        let sines: usize = sine.iter().map(Vec::len).sum();
+        SINES.allow((sines as f64 * duration) as u64)?;
         match whole && finite(sine) && finite(cosine) {
             true => Ok(()),
             false => Err(MotionError::Coefficients { joints: dof }),

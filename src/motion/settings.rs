@@ -6,6 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use super::path::Path;
 use super::{Envelope, Series, Trajectory};
 use super::{mixed, plateaus, point_to_point, waves};
+use crate::limits::TooMuch;
 use crate::robot::Robot;
 
 /// Which motion, how long, how far, how fast. Everything has a default; the robot's own limits
@@ -99,6 +100,8 @@ pub enum MotionError {
          per joint, equally long in both"
     )]
     Coefficients { joints: usize },
+    #[error("motion.series: {0}")]
+    TooMuch(#[from] TooMuch),
     #[error(
         "motion.series: joint {joint} reaches {reached:.3} {what}, the robot's limit is {limit:.3}: \
          take smaller coefficients"

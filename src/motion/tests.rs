@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix3, Unit, Vector3};
 
+use super::trajectory::{Piece, Shape};
 use super::*;
 use crate::robot::{Body, Inertia, Joint, Limits, Placement, Robot};
 
@@ -148,6 +149,31 @@ fn short_motions_and_other_rests_work() {
     }
 }
 
+/// Where a joint may hardly move, and where a motion lasts for a day.
+#[test]
+fn little_room_and_long_times_ask_for_little_memory() {
+    for kind in KINDS {
+        for (range_rad, duration_s) in [(1e-9, 1e3), (1e-9, 1e5), (1.0, 1e5)] {
+            let settings = Settings { kind, range_rad, duration_s, ..Settings::default() };
+            let motion = settings.trajectory(&arm()).unwrap();
+            let strokes = |p: &Piece| match &p.shape {
+                Shape::Strokes { strokes } => strokes.iter().map(Vec::len).sum(),
+                _ => 1,
+            };
+            let parts: usize = motion.pieces.iter().map(strokes).sum();
+            assert!(parts as f64 <= 4.0 * 6.0 * duration_s, "{kind:?} {range_rad}: {parts} parts");
+            let (mut q, mut qd, mut qdd) = ([0.0; 6], [0.0; 6], [0.0; 6]);
+            let envelope = Envelope::new(&arm(), &settings).unwrap();
+            for k in 0..1000 {
+                motion.at(f64::from(k) * 1.234, &mut q, &mut qd, &mut qdd);
+                let inside =
+                    |j: usize| (q[j] - envelope.centre[j]).abs() <= range_rad * (1.0 + 1e-6);
+                assert!((0..6).all(inside), "{kind:?} {range_rad}: {q:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn bad_settings_are_named() {
     let wrong = |s: Settings| s.trajectory(&arm()).unwrap_err().to_string();
@@ -210,6 +236,11 @@ fn a_series_is_the_sum_of_its_coefficients() {
     assert!(wrong(&|s| s.fade_s = 5.1).contains("motion.series.fade_s = 5.1"));
     assert!(wrong(&|s| s.sine_rad.truncate(5)).contains("6 lists"));
     assert!(wrong(&|s| s.cosine_rad[2].push(0.0)).contains("equally long"));
+    let many = vec![vec![0.0; 2000]; 6];
+    let long = |s: &mut super::Series| {
+        (s.sine_rad, s.cosine_rad) = (many.clone(), many.clone());
+    };
+    assert!(wrong(&long).contains("100 000 sines times seconds"));
     assert!(wrong(&|s| s.sine_rad[0][0] = 3.0).contains("joint 1 reaches 3.03"));
     let none = Settings { series: None, ..settings }.trajectory(&arm()).unwrap_err();
     assert!(none.to_string().contains("[motion.series]"), "{none}");

@@ -170,7 +170,7 @@ fn scaled([x, v, a]: [f64; 3], by: f64, duration: f64) -> [f64; 3] {
 }
 
 /// Rises from 0 to 1 over `fade` at the start and falls at the end, with derivatives.
-fn window(t: f64, duration: f64, fade: f64) -> [f64; 3] {
+pub(super) fn window(t: f64, duration: f64, fade: f64) -> [f64; 3] {
     let left = duration - t;
     if t < fade {
         scaled(step(t / fade), 1.0, fade)
@@ -182,8 +182,8 @@ fn window(t: f64, duration: f64, fade: f64) -> [f64; 3] {
     }
 }
 
-/// The product rule on window x sum of sines.
-fn faded(waves: &[Wave], [w, wd, wdd]: [f64; 3], t: f64) -> [f64; 3] {
+/// Window x sum of sines.
+fn faded(waves: &[Wave], window: [f64; 3], t: f64) -> [f64; 3] {
     let [mut s, mut sd, mut sdd] = [0.0; 3];
     for wave in waves {
         let omega = TAU * wave.frequency_hz;
@@ -192,5 +192,10 @@ fn faded(waves: &[Wave], [w, wd, wdd]: [f64; 3], t: f64) -> [f64; 3] {
         sd += wave.amplitude * omega * cos;
         sdd -= wave.amplitude * omega * omega * sin;
     }
+    product(window, [s, sd, sdd])
+}
+
+/// A product and its first two derivatives.
+pub(super) fn product([w, wd, wdd]: [f64; 3], [s, sd, sdd]: [f64; 3]) -> [f64; 3] {
     [w * s, wd * s + w * sd, wdd * s + 2.0 * wd * sd + w * sdd]
 }

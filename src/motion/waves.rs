@@ -6,6 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::path::Path;
+use super::peaks::peaks;
 use super::trajectory::{Piece, Shape, Wave};
 
 const HARMONICS: usize = 10;
@@ -79,13 +80,4 @@ fn scale(piece: &mut Piece, path: &Path) {
             waves.iter_mut().for_each(|w| w.amplitude *= factor);
         }
     }
-}
-
-/// Largest absolute position, velocity and acceleration on a 5 ms grid.
-pub(super) fn peaks(piece: &Piece, joint: usize) -> [f64; 3] {
-    let steps = (piece.duration / 0.005) as usize;
-    (0..=steps).fold([0.0; 3], |peak: [f64; 3], k| {
-        let now = piece.at(joint, k as f64 * 0.005);
-        std::array::from_fn(|i| peak[i].max(now[i].abs()))
-    })
 }

@@ -15,7 +15,7 @@ pub struct LerobotMap {
     pub joints: Option<Vec<String>>,
     /// Unit of angles.
     pub unit: Option<Unit>,
-    /// Of joints in percent: angles, rad, at the lower and at the upper end of their range.
+    /// Angles of joints in percent, rad, at the lower and at the upper end of their range.
     pub ends: BTreeMap<String, [f64; 2]>,
     /// Per joint, -1 where it counts backwards.
     pub scale: Scale,

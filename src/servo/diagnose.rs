@@ -48,7 +48,6 @@ pub fn diagnose(
     let [seen_fit, seen_check] = [fit, check].map(|s| linearised(&near, s, horizon_s));
     let (mut after, mut taken) = (refits.before.clone(), Vec::new());
     let mut proof = |found: &[Change]| {
-        watch.tell("fitting causes by simulation", 0, 0);
         let sieve = Sieve { fit: &fit_track, check: &check_track, refits: &refits, settings };
         let Sifted { stand, twin } = sieve.sift(found)?;
         taken = stand.iter().map(|s| found[s.index].clone()).collect();
@@ -57,7 +56,7 @@ pub fn diagnose(
         }
         Ok(stand)
     };
-    watch.tell("searching for what the twin lacks", 0, 0);
+    watch.tell(diagnosis::SEARCHING, 0, 0);
     let settings = with_what_is_simulated(settings);
     let (mut diagnosis, traces) =
         diagnose_proved(twin, &seen_fit?, &seen_check?, &settings, &mut proof, watch)?;

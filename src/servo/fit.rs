@@ -18,7 +18,7 @@ use crate::twin::Twin;
 pub struct Settings {
     /// Longest stretch that is simulated from one measured state, s.
     pub horizon_s: f64,
-    /// Of intervals.
+    /// Probability that an interval holds the value.
     pub level: f64,
     /// Simulations of everything, at most.
     pub max_evaluations: usize,
@@ -41,7 +41,7 @@ pub struct Estimate {
     pub value: f64,
     pub low: f64,
     pub high: f64,
-    /// Of the effect not being there, where there is such a value.
+    /// Probability of such data if the effect is not there, where there is such a value.
     pub p: f64,
     pub at_bound: bool,
     /// Do these recordings tell it?

@@ -24,7 +24,7 @@ pub struct Free {
 }
 
 impl Free {
-    /// The same where it is expected to be off by as much as such effects are on such an arm, or by as much as it is
+    /// This parameter where it is expected to be off by as much as such effects are on such an arm, or by as much as it is
     /// where that is more: what a recording does not tell stays where it was.
     pub fn near_start(self, robot: &Robot) -> Self {
         let place =

@@ -243,7 +243,7 @@ impl Plant {
 /// Temperature at which friction holds as it stands, where none is recorded, deg C.
 const USUAL_C: f64 = 25.0;
 
-/// Of a symmetric positive definite matrix; of one that is none because a value ran away, zeros.
+/// The inverse of a symmetric positive definite matrix; of one that is none because a value ran away, zeros.
 fn inverse(m: DMatrix<f64>) -> DMatrix<f64> {
     if m.nrows() == 1 {
         return DMatrix::from_element(1, 1, 1.0 / m[(0, 0)]);

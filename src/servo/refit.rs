@@ -9,7 +9,7 @@ use crate::effects::{Effect, Role, Seen, find};
 use crate::follow::Watch;
 use crate::twin::Twin;
 
-/// Of the intervals of a diagnosis.
+/// Probability that an interval of a diagnosis holds the value.
 const LEVEL: f64 = 0.9;
 /// Stretches that a fit takes one after the other, as shares of the longest: what begins far away begins with short
 /// ones.
@@ -27,7 +27,8 @@ pub struct Refitted {
 pub struct Refits<'a> {
     twin: &'a Twin,
     fit: &'a Track,
-    watch: &'a dyn Watch,
+    /// Who follows the fits.
+    pub watch: &'a dyn Watch,
     pub before: Refitted,
 }
 

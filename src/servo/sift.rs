@@ -4,6 +4,8 @@
 //! a change with which the simulated position does not surely come nearer is none. Sizes of errors count, not their
 //! squares: a contact that lasts a while is not simulated here, and squares would let it decide.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 
 use super::refit::{Refits, Refitted};
@@ -47,7 +49,13 @@ impl Sieve<'_> {
         let mut left = errors(&twin, self.check)?;
         let (mut stand, mut taken) = (Vec::new(), Vec::new());
         let mut open = self.alone(changes)?;
-        while !open.is_empty() {
+        for round in 0.. {
+            if open.is_empty() {
+                break;
+            }
+            // Every round takes up one or more.
+            let at_most = round + open.len() as u64;
+            self.refits.watch.bound("fitting causes together by simulation", round, at_most);
             let rivals = self.rivals(&open, changes);
             let beside = |alone: &&Tried| self.beside((&twin, &taken), changes, alone);
             let tried: Vec<Tried> = rivals.par_iter().map(beside).collect::<Result<_, _>>()?;
@@ -84,9 +92,12 @@ impl Sieve<'_> {
         let before = errors(&self.refits.before.twin, self.fit)?;
         let units = self.units(&before, self.fit);
         let size = |errors: &[Vec<f64>]| summed(errors, &units).iter().sum::<f64>();
+        let (done, count) = (AtomicU64::new(0), changes.len() as u64);
+        let tell = |done| self.refits.watch.tell("fitting by simulation, cause", done, count);
         let of = |(index, change): (usize, &Change)| -> Result<Tried, ServoError> {
             let twin = self.refits.alone(change)?;
             let errors = errors(&twin, self.fit)?;
+            tell(1 + done.fetch_add(1, Ordering::Relaxed));
             Ok(Tried { index, twin, gain: size(&before) - size(&errors), errors })
         };
         let mut all: Vec<Tried> =

@@ -3,11 +3,13 @@
 use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 
 use super::width::{width, words_in_lines};
+use crate::numbers::unsigned_zeros;
 
 /// A table whose first `left` columns are text (left-aligned) and the rest numbers. Where the terminal is
 /// narrow its texts are broken between words; what is wider still is told in several tables.
 pub fn table(header: &[&str], left: usize, rows: impl IntoIterator<Item = Vec<String>>) -> String {
     let header = header.iter().map(ToString::to_string).collect();
+    let rows = rows.into_iter().map(|row| row.iter().map(|cell| unsigned_zeros(cell)).collect());
     let all: Vec<Vec<String>> = std::iter::once(header).chain(rows).collect();
     match width() {
         Some(most) => fitted(&all, left, most),

@@ -12,7 +12,7 @@ pub enum Family {
     /// A UR5 whose currents are recorded; its link masses are known, its noise is white.
     #[default]
     Standard,
-    /// The same with link masses and centres off, coloured noise, skewed channels.
+    /// The standard arm with link masses and centres off, coloured noise, skewed channels.
     Nuisance,
     /// Six small position servos: command and position are recorded, no torque.
     Servos,

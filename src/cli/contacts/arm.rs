@@ -6,8 +6,9 @@ use anyhow::Context;
 
 use crate::diagnosis;
 use crate::external_wrench::{Contact, Criteria, Heard, Left, Noise, Residual, contacts, left};
+use crate::follow::Watch;
 use crate::identification::{
-    BoundsByName, Method, Settings, Terms, assemble_around, fitted_twin, identify, settle,
+    BoundsByName, Method, Settings, Terms, assemble_around, fitted_twin, identify_watched, settle,
 };
 use crate::recording::Recording;
 use crate::signals::{Conditioning, Samples, condition};
@@ -51,6 +52,7 @@ impl Arm {
         fit: &Source,
         with: &[String],
         how: &Conditioning,
+        watch: &dyn Watch,
     ) -> anyhow::Result<Self> {
         let terms = Terms::of_twin(twin, with);
         let how = how.clone();
@@ -59,25 +61,27 @@ impl Arm {
         }
         let (terms, samples) = (terms?, fit.samples(twin, &how)?);
         let settings = Settings { methods: vec![Method::Nlse], ..Settings::default() };
-        let located = diagnosis::locate(&samples, twin, &terms, &())?;
+        watch.tell("fitting the twin", 0, 0);
+        let located = diagnosis::locate(&samples, twin, &terms, watch)?;
         let (around, located) = match located.is_empty() {
             true => (twin.clone(), located),
             false => settle(&samples, twin, &terms, located, &settings.nlse)?,
         };
         let problem =
             assemble_around(&samples, &around, &terms, &BoundsByName::default(), &located)?;
-        let results = identify(&problem, None, &settings)?;
+        let results = identify_watched(&problem, None, &settings, watch)?;
         let result = results.first().context("nothing was fitted")?;
         Ok(Self { twin: fitted_twin(&around, &terms, &problem, result)?, how })
     }
 
     /// Contacts of a recording; what the twin leaves besides is learned from it and from those that
-    /// are `free` of contacts.
+    /// are `free` of contacts. `watch` is told how far the search is.
     pub fn contacts(
         &self,
         recording: &Source,
         free: &[Source],
         criteria: &Criteria,
+        watch: &dyn Watch,
     ) -> anyhow::Result<Vec<Contact>> {
         let (samples, left) = self.left(recording)?;
         let others: Vec<(Samples, Left)> =
@@ -100,7 +104,7 @@ impl Arm {
             every: samples.decimation(),
             noise: &noise,
         };
-        Ok(contacts(&residual, criteria))
+        Ok(contacts(&residual, criteria, watch))
     }
 
     /// The conditioned recording and what the twin leaves of it.

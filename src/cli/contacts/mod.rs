@@ -14,8 +14,8 @@ use super::conditioning::ConditioningArgs;
 use super::outputs::Output;
 use super::progress::Progress;
 use super::recordings::WorkArgs;
+use super::save;
 use super::twin::ArmArgs;
-use super::{progress, save};
 use crate::external_wrench::Criteria;
 
 /// Estimate forces from outside: when something touched the arm, which link, how strongly
@@ -80,13 +80,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let recording = read(path, None)?;
     let fit = args.fit.clone().map(|path| read(path, args.fit_columns.as_ref())).transpose()?;
     let how = args.conditioning.options().over(arm::conditioning());
-    let spinner = progress::spinner("fitting the twin and searching for contacts");
-    let arm = Arm::fitted(&given.twin, fit.as_ref().unwrap_or(&recording), &args.with, &how)?;
+    let progress = Progress::default();
+    let fitted_on = fit.as_ref().unwrap_or(&recording);
+    let arm = Arm::fitted(&given.twin, fitted_on, &args.with, &how, &progress)?;
     let free = args.free.iter().map(|path| read(path.clone(), None));
     let free: Vec<Source> = fit.into_iter().map(Ok).chain(free).collect::<anyhow::Result<_>>()?;
     let criteria = Criteria { at_flange: args.at_flange, ..Criteria::default() };
-    let found = arm.contacts(&recording, &free, &criteria)?;
-    spinner.finish_and_clear();
+    let found = arm.contacts(&recording, &free, &criteria, &progress)?;
+    progress.end();
     println!("{}", given.line());
     print!("{}", page::page(&found));
     if let Some(path) = &args.json {

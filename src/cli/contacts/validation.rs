@@ -81,9 +81,9 @@ fn found(
     let with: Vec<String> = with.iter().map(ToString::to_string).collect();
     let source = |name| cases::source(folder, &case.setup, name);
     let (recording, fit) = (source(case.recording)?, source(case.fit)?);
-    let arm = Arm::fitted(&twin, &fit, &with, &conditioning())?;
+    let arm = Arm::fitted(&twin, &fit, &with, &conditioning(), &())?;
     let (samples, _) = arm.left(&recording)?;
-    let mut contacts = arm.contacts(&recording, &[fit], criteria)?;
+    let mut contacts = arm.contacts(&recording, &[fit], criteria, &())?;
     contacts.iter_mut().for_each(|c| c.shift(-samples.start));
     Ok(Found {
         recording: case.recording.into(),

@@ -158,6 +158,22 @@ fn the_answer_says_what_where_how_sure_and_how_far() {
     assert!(said.contains("75 % of it on joint 2") && said.contains("any shape"), "{said}");
 }
 
+/// The arm carried something in one recording alone.
+#[test]
+fn what_makes_the_check_recording_worse_explains_nothing() {
+    let mut worse = by_hand();
+    let torque = &mut worse.shrink.torque;
+    (torque.after_nm, torque.fraction, torque.low, torque.high) = (9.6, -8.0, -9.0, -7.0);
+    let said = [words::headline(&worse), words::sentence(&worse), words::above_noise(&worse)];
+    assert!(
+        said[0].starts_with("What is found on one recording makes the other worse"),
+        "{}",
+        said[0]
+    );
+    assert!(said[1].contains("the gap grows from 3.20 to 9.60 N.m"), "{}", said[1]);
+    assert!(said.iter().all(|s| s.contains("makes the other worse") && !s.contains("explained")));
+}
+
 /// A lagging velocity takes no torque off: what does is told, and that it is not sure.
 #[test]
 fn torque_is_not_explained_by_a_velocity() {

@@ -51,31 +51,12 @@ impl Clock {
 /// Rows that are this much off the clock of this machine have another one, s: more than a queue holds.
 const LATE_S: f64 = 300.0;
 
-/// `2026-11-23` of unix time, s (Hinnant, "chrono-compatible low-level date algorithms", days to civil).
-pub fn day(unix_s: f64) -> String {
-    let z = (unix_s / 86400.0).floor() as i64 + 719_468;
-    let era = z.div_euclid(146_097);
-    let doe = z.rem_euclid(146_097);
-    let yoe = (doe - doe / 1460 + doe / 36_524 - doe / 146_096) / 365;
-    let doy = doe - (365 * yoe + yoe / 4 - yoe / 100);
-    let mp = (5 * doy + 2) / 153;
-    let d = doy - (153 * mp + 2) / 5 + 1;
-    let m = if mp < 10 { mp + 3 } else { mp - 9 };
-    let y = yoe + era * 400 + i64::from(m <= 2);
-    format!("{y:04}-{m:02}-{d:02}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn days_are_those_of_the_calendar() {
-        for (unix, date) in
-            [(0.0, "1970-01-01"), (951_827_696.0, "2000-02-29"), (1_795_392_000.0, "2026-11-23")]
-        {
-            assert_eq!(day(unix), date);
-        }
+    fn times_of_day_are_told_where_rows_come_as_they_are_made() {
         assert_eq!(Clock::Day(Some(1_795_392_000.0)).words(50_530.0), "14:02:10 UTC");
         assert_eq!(Clock::Own.words(62.04), "62.0 s");
     }

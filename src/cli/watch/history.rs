@@ -35,7 +35,7 @@ impl History {
     pub fn begin(dir: &Path, twin: &Twin) -> anyhow::Result<Self> {
         std::fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
-        let date = super::clock::day(now as f64);
+        let date = crate::numbers::day(now as f64);
         let name = format!("watch-{date}-{:05}.parquet", now % 86400);
         let of = |what: &'static str| (0..twin.robot.dof()).map(move |j| column(what, j));
         let mut names: Vec<String> = of("gap_nm")

@@ -6,7 +6,6 @@ mod history;
 mod lines;
 mod screen;
 
-pub(super) use clock::day;
 pub(super) use history::{EVENTS, column};
 
 use std::path::PathBuf;

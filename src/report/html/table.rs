@@ -2,6 +2,8 @@
 
 use maud::{Markup, html};
 
+use crate::numbers::unsigned_zeros;
+
 /// The first `left` columns are text, the rest numbers.
 pub fn table(header: &[&str], left: usize, rows: impl IntoIterator<Item = Vec<String>>) -> Markup {
     let class = |i: usize| (i < left).then_some("text");
@@ -17,7 +19,7 @@ pub fn table(header: &[&str], left: usize, rows: impl IntoIterator<Item = Vec<St
                     @for row in rows {
                         tr {
                             @for (i, cell) in row.iter().enumerate() {
-                                td class=[of_cell(i, cell)] { (cell) }
+                                td class=[of_cell(i, cell)] { (unsigned_zeros(cell)) }
                             }
                         }
                     }

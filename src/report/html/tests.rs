@@ -9,7 +9,7 @@ use super::plot::{AFTER, BEFORE, Look, plot};
 use super::scale::rounded;
 use crate::figure::{Colour, Drawn, Line, Panel, Shaded};
 
-/// Of `plotly/plotly-basic.min.js` as npm has it (`plotly/README.md`).
+/// The digest of `plotly/plotly-basic.min.js` as npm has it (`plotly/README.md`).
 const LIBRARY_SHA256: &str = "99784e3abfb07b142a15e521a439e6d9addceadb3f79553fd24c72774f0649ba";
 
 fn page(body: maud::Markup) -> String {

@@ -221,7 +221,7 @@ impl Diagnose {
         recording: &Recording,
         watch: &dyn Watch,
     ) -> Result<Found, WorkflowError> {
-        watch.tell("searching for what the twin lacks", 0, 0);
+        watch.tell(diagnosis::SEARCHING, 0, 0);
         let (mut diagnosis, traces) =
             diagnosis::diagnose_traced(twin, fit, check, &self.settings, watch)?;
         let mut simulated = Vec::new();

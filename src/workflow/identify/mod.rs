@@ -255,7 +255,7 @@ impl Identify {
         if scaled.is_some() {
             samples = conditioned(&fit, &twin, &how)?;
         }
-        watch.tell("searching for nonlinear parameters", 0, 0);
+        watch.tell(diagnosis::LOCATING, 0, 0);
         let (around, located) = self.located(&samples, &twin, &terms, watch)?;
         let used = |recording: &Recording, samples: Samples| -> Result<Used, WorkflowError> {
             let provenance = recording.provenance.clone();
