@@ -55,10 +55,12 @@ class Arm:
         self.slack.write_text(f'{plain}[twin.values]\n{values}\n'.replace('"viscous"]', '"viscous", "backlash"]'))
 
     def answer(self, name, command, *arguments, twin=None):
-        out = self.work / f'{name}.json'
+        """The JSON that a command writes. What `identify` fits is kept in `name`.toml."""
+        out, fitted = self.work / f'{name}.json', self.work / f'{name}.toml'
+        save = ['--save-twin', fitted] if command == 'identify' else []
         if not (self.kept and out.exists()):
             ran = subprocess.run([ARMTWIN, command, *map(str, arguments), '--from', '5', '--to', '35',
-                                  '--twin', twin or self.twin, '--json', out], capture_output=True, text=True)
+                                  '--twin', twin or self.twin, '--json', out, *save], capture_output=True, text=True)
             if ran.returncode:
                 raise RuntimeError(f'{command} {name}: {ran.stderr}')
         return json.loads(out.read_text())
@@ -119,8 +121,8 @@ def size(gaps):
 def play(arm):
     rows = []
     for motion in PLAY:
-        for name, twin, more in [('none', arm.twin, ''), ('the makers\'', arm.slack, ''),
-                                 ('fitted', arm.slack, ',backlash')]:
+        near = arm.work / f'{motion}_play_the.toml'
+        for name, twin, more in [('none', arm.twin, ''), ('the makers\'', arm.slack, ''), ('fitted', near, ',backlash')]:
             method = arm.answer(f'{motion}_play_{name[:3]}', 'identify', arm.folder / motion, '--check',
                                 arm.folder / JUDGE, '--terms', WITHOUT + more, twin=twin)['methods'][0]
             gaps = {p['joint']: p for p in (p for j in method['joints'] for p in j['parameters'])
