@@ -2,7 +2,7 @@
 
     git clone https://github.com/Rhoban/bam && python3 -m venv peers && peers/bin/pip install optuna cmaes numpy
     peers/bin/python benches/peers/servos.py RECORDINGS --bam bam --work WORK -o docs/servos.md
-    (with --no-fits it takes the fits that WORK holds)
+    (with --no-fits it takes the fits that WORK holds; with --told it makes the section about load and gain alone)
 
 RECORDINGS holds rhoban-bam_xl330. bam's models M1 to M6 are fitted by bam's own fit.py (CMA-ES
 by optuna, --trials of them) on the logs of FIT and judged by its own simulator on all others; its fits are kept
@@ -143,6 +143,40 @@ def one_servo(arguments):
                    [[p['name'], f'{p["value"]:.4f}', f'{p["low"] or 0:.4f} to {p["high"] or 0:.4f}', p['unit'],
                      'yes' if p['identifiable'] else 'no'] for p in fits[last]])]
     return '\n'.join(text)
+
+
+TOLD = '## Is a load told, and another gain?'
+MASS, ARM, GRAVITY = .49, .1, 9.81
+GOAL = .05
+
+
+def unloaded(work, known):
+    """The twin with what is `known` of the motor and without the load."""
+    urdf = (ROOT / 'scenarios/robots/xl330_pendulum.urdf').read_text()
+    end = f'<link name="end"/><joint name="rod" type="fixed"><parent link="arm"/><child link="end"/>' \
+          f'<origin xyz="0 0 -{ARM}"/></joint></robot>'
+    urdf = urdf.replace(f'value="{MASS}"', 'value="1e-6"').replace('1e-6" iyy="1e-6" izz="1e-6"', '1e-9" iyy="1e-9" izz="1e-9"')
+    (work / 'unloaded.urdf').write_text(urdf.replace('</robot>', end))
+    twin = (ROOT / 'scenarios/twins/xl330_pendulum.toml').read_text()
+    (work / 'unloaded.toml').write_text(twin.replace('"../robots/xl330_pendulum.urdf"', '"unloaded.urdf"'))
+    return work / 'unloaded.toml'
+
+
+def gravity(all_logs, work):
+    """The load's torque at the horizontal, N.m, where the twin has no load; what is known of the motor, row by row."""
+    true, rows = MASS * ARM * GRAVITY, []
+    free = TERMS['and both'] + ',payload'
+    for known, left_out in [('gain, as published', 'servo_gain'), ('rotor, as bam found it', 'rotor_inertia')]:
+        terms = ','.join(t for t in free.split(',') if t != left_out)
+        fit = [log[0] for log in all_logs if is_fitted(log)]
+        armtwin('identify', *fit, '--twin', unloaded(work, known), '--every-row', '--terms', terms, '--json',
+                work / 'gravity.json')
+        method = json.loads((work / 'gravity.json').read_text())['methods'][0]
+        load = {p['name']: p for p in method['joints'][0]['parameters']}
+        found = GRAVITY * abs(ARM * load['payload_mass']['value'] - load['payload_moment_z']['value'])
+        rows.append([known, f'{found:.3f}', f'{100 * (found / true - 1):+.0f} %',
+                     'met' if abs(found / true - 1) <= GOAL else '**not met**'])
+    return true, rows
 
 
 NOT_MEASURED = """## Not measured, and not met
