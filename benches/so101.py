@@ -6,8 +6,11 @@
 RECORDINGS is sage-so101. ARMTWIN is the program (target/release/armtwin).
 """
 import argparse
+import csv
+import gzip
 import json
 import os
+import random
 import statistics
 import subprocess
 import sys
@@ -38,6 +41,8 @@ MAKERS_PLAY = 0.00873
 # Motions in which play is looked for (one was recorded for that), and the one that decides.
 PLAY, JUDGE = ['backlash_detection', 'chirp_sweep', 'multisine'], 'inertia_coupling'
 WITHOUT = 'coulomb,viscous,servo_gain,payload'
+# Copies of a recording with other times, of which the mean counts.
+COPIES = 5
 TEETH = {'backlash_gap': 2 * MAKERS_PLAY, 'backlash_stiffness': 500, 'backlash_damping': 0.5}
 
 
@@ -55,10 +60,12 @@ class Arm:
         self.slack.write_text(f'{plain}[twin.values]\n{values}\n'.replace('"viscous"]', '"viscous", "backlash"]'))
 
     def answer(self, name, command, *arguments, twin=None):
-        out = self.work / f'{name}.json'
+        """The JSON that a command writes. What `identify` fits is kept in `name`.toml."""
+        out, fitted = self.work / f'{name}.json', self.work / f'{name}.toml'
+        save = ['--save-twin', fitted] if command == 'identify' else ['--out', self.work / name]
         if not (self.kept and out.exists()):
             ran = subprocess.run([ARMTWIN, command, *map(str, arguments), '--from', '5', '--to', '35',
-                                  '--twin', twin or self.twin, '--json', out], capture_output=True, text=True)
+                                  '--twin', twin or self.twin, '--json', out, *save], capture_output=True, text=True)
             if ran.returncode:
                 raise RuntimeError(f'{command} {name}: {ran.stderr}')
         return json.loads(out.read_text())
@@ -111,6 +118,58 @@ def pairs(arm):
         '', table(['', '1', '2', '3', '4', '5', '6'], joints + [['rounding', *rounding]])])
 
 
+def times(folder, file):
+    """Head and rows of a file of SAGE, and the times of the rows, us."""
+    head, *rows = csv.reader(gzip.open(folder / file, 'rt'))
+    return head, rows, [float(row[head.index('timestamp')]) for row in rows]
+
+
+def scatter(folder):
+    """Standard deviation of the time from row to row, and the largest distance of a row from an even clock, us."""
+    _, _, t = times(folder, 'state_motor.csv.gz')
+    step = (t[-1] - t[0]) / (len(t) - 1)
+    return statistics.stdev(b - a for a, b in zip(t, t[1:])), max(abs(x - t[0] - step * k) for k, x in enumerate(t))
+
+
+def shaken(folder, to, sigma, seed):
+    """A copy of a recording whose positions were read at times `sigma` us off those that stand there."""
+    to.mkdir(parents=True, exist_ok=True)
+    noise = random.Random(seed)
+    head, rows, t = times(folder, 'state_motor.csv.gz')
+    off = [noise.gauss(0, sigma) for _ in t]
+    for file in ['state_motor.csv.gz', 'control.csv.gz']:
+        head, rows, _ = times(folder, file)
+        place = head.index('timestamp')
+        with gzip.open(to / file, 'wt', newline='') as out:
+            csv.writer(out).writerows([head] + [[*row[:place], x + d, *row[place + 1:]]
+                                                for row, x, d in zip(rows, t, off)])
+    return to
+
+
+def clock(arm):
+    """How the mended twin's position error changes with the clock of the recording that decides."""
+    rows = []
+    for fit, check in PAIRS:
+        sigma, drift = scatter(arm.folder / check)
+        copies = [shaken(arm.folder / check, arm.work / 'shaken' / f'{check}_{part}_{seed}', by, seed)
+                  for part, by in [('step', sigma), ('clock', drift)] for seed in range(COPIES)]
+        checks = [x for folder in [arm.folder / check, *copies] for x in ('--check', folder)]
+        method = arm.answer(f'{fit}_{check}_clock', 'identify', arm.folder / fit, *checks, '--terms', 'coulomb',
+                            twin=arm.work / f'{fit}_{check}' / 'twin.toml')['methods'][0]
+        rms = [(statistics.mean(j['rms_rad'] ** 2 for j in gaps['joints'])) ** .5 for gaps in method['check']['before']]
+        changes = [1e6 * (statistics.mean(rms[1 + k * COPIES:1 + (k + 1) * COPIES]) - rms[0]) for k in range(2)]
+        rounding = statistics.mean(j['rounding_rad'] ** 2 for j in method['check']['before'][0]['joints'])
+        rows.append([f'{fit}, {check}', mrad(rms[0]), f'{1e3 * (rms[0] - (rms[0] ** 2 - rounding) ** .5):.3f}',
+                     f'{sigma:.0f}', f'{changes[0]:+.1f}', f'{drift:.0f}', f'{changes[1]:+.1f}'])
+    return '\n'.join([
+        'Of the error after, how much is rounding: what would be less if the encoder had no steps. And how much the clock: '
+        'the error of the same twin along the recording with every time moved at random (mean of '
+        f'{COPIES} copies), by as much as its steps scatter, and by as much as its rows are at most from an even clock. '
+        'What is no scatter, positions read a little before or after the command was sent, is a delay of the servo.', '',
+        table(['pair', 'after, mrad', 'of it rounding', 'steps scatter by, us', 'error changes by, urad',
+               'from an even clock, us', 'error changes by, urad'], rows)])
+
+
 def size(gaps):
     """Mean position error over the joints of one recording."""
     return statistics.mean(j['mean_abs_rad'] for j in gaps[0]['joints'])
@@ -119,8 +178,8 @@ def size(gaps):
 def play(arm):
     rows = []
     for motion in PLAY:
-        for name, twin, more in [('none', arm.twin, ''), ('the makers\'', arm.slack, ''),
-                                 ('fitted', arm.slack, ',backlash')]:
+        near = arm.work / f'{motion}_play_the.toml'
+        for name, twin, more in [('none', arm.twin, ''), ('the makers\'', arm.slack, ''), ('fitted', near, ',backlash')]:
             method = arm.answer(f'{motion}_play_{name[:3]}', 'identify', arm.folder / motion, '--check',
                                 arm.folder / JUDGE, '--terms', WITHOUT + more, twin=twin)['methods'][0]
             gaps = {p['joint']: p for p in (p for j in method['joints'] for p in j['parameters'])
@@ -151,7 +210,7 @@ def main():
         'from the first sample to the last. Before: friction fitted, nothing added. In random_waypoints joints 2 to 4 are '
         'stopped together twice (6 to 7 s, 21 to 22 s), by something that no twin here has; causes are decided by '
         'the size of errors, the root mean square there is that of the stops.', '', pairs(arm), '', '## Is there play?',
-        '', play(arm), '', 'What clock jitter makes of all this is not measured.']) + '\n'
+        '', play(arm), '', '## Rounding and clock', '', clock(arm)]) + '\n'
     print(f'{time.time() - began:.0f} s', file=sys.stderr)
     arguments.out.write_text(text) if arguments.out else print(text)
 

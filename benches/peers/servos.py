@@ -2,7 +2,7 @@
 
     git clone https://github.com/Rhoban/bam && python3 -m venv peers && peers/bin/pip install optuna cmaes numpy
     peers/bin/python benches/peers/servos.py RECORDINGS --bam bam --work WORK -o docs/servos.md
-    (with --no-fits it takes the fits that WORK holds)
+    (with --no-fits it takes the fits that WORK holds; with --told it makes the section about load and gain alone)
 
 RECORDINGS holds rhoban-bam_xl330. bam's models M1 to M6 are fitted by bam's own fit.py (CMA-ES
 by optuna, --trials of them) on the logs of FIT and judged by its own simulator on all others; its fits are kept
@@ -145,30 +145,132 @@ def one_servo(arguments):
     return '\n'.join(text)
 
 
+MASS, ARM, GRAVITY = .49, .1, 9.81
+# How near gravity should come back.
+NEAR = .05
+# Gain register of a log, and the one that the twin is told.
+REGISTERS = [(200, 400), (800, 400), (200, 100), (200, 200), (800, 800)]
+FRICTION = ('friction', 'coulomb', 'viscous', 'stribeck', 'lugre', 'maxwell', 'presliding')
+
+
+def unloaded(work):
+    """The twin with a rod that weighs nothing."""
+    urdf = (ROOT / 'scenarios/robots/xl330_pendulum.urdf').read_text()
+    end = (f'<link name="end"/><joint name="rod" type="fixed"><parent link="arm"/><child link="end"/>'
+           f'<origin xyz="0 0 -{ARM}"/></joint></robot>')
+    urdf = urdf.replace('1e-6', '1e-9').replace(f'value="{MASS}"', 'value="1e-6"').replace('</robot>', end)
+    (work / 'unloaded.urdf').write_text(urdf)
+    twin = (ROOT / 'scenarios/twins/xl330_pendulum.toml').read_text()
+    (work / 'unloaded.toml').write_text(twin.replace('"../robots/xl330_pendulum.urdf"', '"unloaded.urdf"'))
+    return work / 'unloaded.toml'
+
+
+def gravity(all_logs, work):
+    """The load's torque at the horizontal, N.m, where the twin has no load, and what of the motor is taken as known."""
+    true, rows = MASS * ARM * GRAVITY, []
+    # Which way gravity pulls is the load's to say.
+    usual = [t for t in TERMS['and both'].split(',') if t != 'encoder_offset'] + ['payload']
+    known = [('gain as published', ['servo_gain']), ('rotor as bam found it', ['rotor_inertia']), ('neither', [])]
+    for name, kept in known:
+        for which, chosen in [('the six', [x for x in all_logs if is_fitted(x)]), ('all sixteen', all_logs)]:
+            terms = ','.join(t for t in usual if t not in kept)
+            armtwin('identify', *(log[0] for log in chosen), '--twin', unloaded(work), '--every-row', '--terms', terms,
+                    '--json', work / 'gravity.json')
+            load = {p['name']: p for p in json.loads((work / 'gravity.json').read_text())['methods'][0]['arm']}
+            mass, x, z = (load[f'payload_{part}'] for part in ('mass', 'moment_x', 'moment_z'))
+            found = GRAVITY * np.hypot(ARM * mass['value'] - z['value'], x['value'])
+            met = 'met' if abs(found / true - 1) <= NEAR else '**not met**'
+            rows.append([name, which, f'{found:.3f}', f'{100 * (found / true - 1):+.0f} %', met,
+                         f'{mass["value"]:.2f} ({mass["low"]:.2f} to {mass["high"]:.2f})'])
+    return table(['known', 'logs', 'gravity, N.m', 'off by', f'within {100 * NEAR:.0f} %', 'mass (99 %), kg'], rows)
+
+
+def another_gain(all_logs, work):
+    """What diagnose names where a log says another gain register than the servo had."""
+    armtwin('identify', *(log[0] for log in all_logs if is_fitted(log)), '--twin',
+            ROOT / 'scenarios/twins/xl330_pendulum.toml', '--every-row', '--terms', TERMS['and both'], '--save-twin',
+            work / 'fitted.toml', '--overwrite')
+    by = {(kp, motion): file for file, kp, motion in all_logs}
+    rows, friction, wrong = [], 0, 0
+    for kp, said in REGISTERS:
+        files = {}
+        for motion in ['sin_sin', 'sin_time_square']:
+            files[motion] = work / f'{motion}_{kp}_{said}.json'
+            files[motion].write_text(json.dumps({**json.loads(gzip.open(by[kp, motion]).read()), 'kp': said}))
+        for fit, check in [tuple(files), tuple(files)[::-1]]:
+            armtwin('diagnose', '--fit', files[fit], '--check', files[check], '--twin', work / 'fitted.toml', '--every-row',
+                    '--json', work / 'gain.json')
+            found = json.loads((work / 'gain.json').read_text())
+            names = [c['effect'] for c in found['causes']]
+            if kp != said:
+                wrong += 1
+                friction += any(part in name for name in names for part in FRICTION)
+            rows.append([kp, said, fit, mrad(found['position']['before_rad']), mrad(found['position']['after_rad']),
+                         ', '.join(names) or 'none'])
+    met = 'met' if friction == 0 else '**not met**'
+    return '\n'.join([
+        f'Another gain register than the logs say must not be called friction: {met}, a friction is among the causes in '
+        f'{friction} of {wrong}.', '', table(['register', 'said', 'searched', 'before, mrad', 'after', 'causes'], rows)])
+
+
+TOLD = '## Is a load told, and another gain?'
+
+
+def told(arguments):
+    """The section that needs no fit of bam."""
+    all_logs = logs(arguments.recordings / 'rhoban-bam_xl330')
+    return '\n'.join([
+        TOLD, '', f'The known {MASS * ARM * GRAVITY:.2f} N.m of gravity, taken out of the twin (its rod weighs nothing), should '
+        f'come back within {100 * NEAR:.0f} %. Torque, gain and inertia of one servo could all be larger by the same factor: '
+        'something of the motor has to be known, its gain, or its rotor beside the free fall in two logs.', '',
+        gravity(all_logs, arguments.work), '',
+        'Then the twin fitted to the six logs (load in place), and two logs of one register that say another one; the last '
+        'rows say the right one.', '', another_gain(all_logs, arguments.work)])
+
+
 NOT_MEASURED = """## Not measured, and not met
 
 * One log, up_and_down at register 800, in which the servo stalls at full duty, was known to be missed by every model
-  with friction of the load alone before `servo_friction` was written; it is one of the ten that are not fitted.
-* Speed beside mujoco-sysid."""
+  with friction of the load alone before `servo_friction` was written; it is one of the ten that are not fitted."""
+
+
+def put(section, page):
+    """Puts a section in place of that of the same head."""
+    if not page:
+        return print(section)
+    text = page.read_text()
+    before, _, rest = text.partition(section.splitlines()[0])
+    after = rest[rest.index('\n## ') + 1:] if '\n## ' in rest else ''
+    if not rest:
+        before, _, after = text.partition('## Not measured')
+        after = '## Not measured' + after
+    page.write_text(f'{before}{section}\n\n{after}')
 
 
 def main():
     parse = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parse.add_argument('recordings', type=Path)
-    parse.add_argument('--bam', type=Path, required=True)
+    parse.add_argument('--bam', type=Path)
     parse.add_argument('--work', type=Path, required=True)
     parse.add_argument('--trials', type=int, default=3000)
     parse.add_argument('--no-fits', action='store_true', help='take the fits of bam that are there')
+    parse.add_argument('--told', action='store_true', help='make the section about load and gain alone')
     parse.add_argument('-o', '--out', type=Path)
     arguments = parse.parse_args()
     began = time.time()
+    arguments.work.mkdir(parents=True, exist_ok=True)
+    if arguments.told:
+        put(told(arguments), arguments.out)
+        return
+    if not arguments.bam:
+        parse.error('--bam is needed for all but --told')
     page = ['# One servo beside bam', '',
             'Made by `python benches/peers/servos.py RECORDINGS --bam BAM --work WORK -o docs/servos.md`.', '',
             'A Dynamixel XL330 that moves .49 kg at .10 m, 16 logs of 6 s (four gain registers, four motions). '
             f'Fitted are kp {" and ".join(map(str, FIT_KP))} with the motions {", ".join(FIT_MOTIONS)}, six logs; '
             'all figures are of the ten others, each simulated from its first sample to its last. bam\'s models '
             f'by bam\'s own fit (CMA-ES, {arguments.trials} trials each, its loss) and simulator at 5 ms.', '',
-            one_servo(arguments), '', NOT_MEASURED]
+            one_servo(arguments), '', told(arguments), '', NOT_MEASURED]
     text = '\n'.join(page) + '\n'
     print(f'{time.time() - began:.0f} s', file=sys.stderr)
     arguments.out.write_text(text) if arguments.out else print(text)

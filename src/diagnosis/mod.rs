@@ -234,7 +234,8 @@ fn once(
         criteria: settings.criteria,
     };
     let judge = judge::Judge { fit: &alone, check: &other, criteria: settings.criteria };
-    let both = search(&both, &[0, 1]);
+    // What acts in one recording alone cannot be proved on another.
+    let both = search(&both, if proof.is_some() { &[] } else { &[0, 1] });
     let alone = search(&alone, &[0]);
     let floor = floors[1].clone();
     let findings =

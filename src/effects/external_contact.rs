@@ -117,6 +117,11 @@ impl Effect for ExternalContact {
         true
     }
 
+    /// When and where it touches: what a simulation says of that changes by jumps, from sample to sample.
+    fn kept(&self) -> &'static [&'static str] {
+        &["contact_start", "contact_duration", "contact_height"]
+    }
+
     fn reach(&self, motion: &Motion<'_>, _: usize, nonlinear: &[f64]) -> Vec<JointSeries> {
         let flange = motion.flange();
         let touches: Vec<bool> = (0..motion.samples())

@@ -348,7 +348,8 @@ pub trait Effect: Sync {
         false
     }
 
-    /// Explain: parameters that refine a law further than recordings tell: they stay as a twin has them, or usual.
+    /// Explain: parameters that no fit by simulation moves (they refine a law further than recordings tell, or have no
+    /// slope to follow): they stay as a twin has them, or usual.
     fn kept(&self) -> &'static [&'static str] {
         &[]
     }

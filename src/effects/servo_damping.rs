@@ -1,7 +1,7 @@
 //! A position servo that brakes more (or less) than assumed while it is powered: tau = B qd.
 //!
-//! The motor's own voltage does it. Where the servo is never switched off it is viscous friction, and
-//! shows as that.
+//! The motor's own voltage does it. While the servo is powered it looks like viscous friction: what speaks for it
+//! is friction that would have to push, or a servo that was switched off for a while.
 
 use super::{
     About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked,
@@ -40,13 +40,9 @@ impl Effect for ServoDamping {
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {
-        let nothing = || vec![vec![0.0; motion.samples()]];
-        let Some(told) = motion.told else { return nothing() };
-        let powered = told.powered.joint(joint);
-        if powered.iter().all(|on| *on > 0.0) {
-            return nothing();
-        }
-        vec![powered.iter().zip(motion.qd.joint(joint)).map(|(on, qd)| on * qd).collect()]
+        let Some(told) = motion.told else { return vec![vec![0.0; motion.samples()]] };
+        let both = told.powered.joint(joint).iter().zip(motion.qd.joint(joint));
+        vec![both.map(|(on, qd)| on * qd).collect()]
     }
 
     fn build(&self, values: &[f64], joint: usize, mechanism: &mut Mechanism) {

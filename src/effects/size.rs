@@ -36,6 +36,11 @@ impl Size {
         Self { torque: over(0), mass: over(1), reach: over(2) }
     }
 
+    /// The same where it carries more than itself: masses as its drives hold at its reach, if that is more than it weighs.
+    pub fn laden(self) -> Self {
+        Self { mass: self.mass.max(self.torque / self.reach), ..self }
+    }
+
     /// How many times as large a quantity in this unit is: one in `N.m/rad` grows with the torque, one in
     /// `kg.m2` with mass and reach squared, one in `rad/s` not at all.
     pub fn factor(&self, unit: &str) -> f64 {

@@ -7,19 +7,25 @@
 //! fitted by simulation, too.
 
 use super::judge::prove;
-use super::refit::{Refits, is_simulated};
+use super::refit::Refits;
 use super::sift::{Sieve, Sifted};
 use super::{Free, ServoError, Settings, Track, free_parameters, identify, linearised};
 use crate::diagnosis::{self, Change, Diagnosis, Traces, diagnose_proved};
-use crate::effects::CATALOGUE;
 use crate::follow::Watch;
 use crate::series::JointSeries;
 use crate::signals::Samples;
 use crate::twin::Twin;
 
 /// What lets a simulated servo follow a recorded one, whatever the cause.
-const FOLLOWING: [&str; 6] =
-    ["servo_gain", "servo_offset", "servo_delay", "coulomb", "viscous", "rotor_inertia"];
+const FOLLOWING: [&str; 7] = [
+    "servo_gain",
+    "servo_offset",
+    "servo_delay",
+    "servo_damping",
+    "coulomb",
+    "viscous",
+    "rotor_inertia",
+];
 
 /// What was found of an arm of position servos.
 pub struct Found {
@@ -57,9 +63,8 @@ pub fn diagnose(
         Ok(stand)
     };
     watch.tell(diagnosis::SEARCHING, 0, 0);
-    let settings = with_what_is_simulated(settings);
     let (mut diagnosis, traces) =
-        diagnose_proved(twin, &seen_fit?, &seen_check?, &settings, &mut proof, watch)?;
+        diagnose_proved(twin, &seen_fit?, &seen_check?, settings, &mut proof, watch)?;
     let simulated = prove(&mut diagnosis, twin, [&refits.before, &after], &taken, &check_track)?;
     Ok(Found { diagnosis, traces, simulated })
 }
@@ -69,12 +74,4 @@ fn following(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, ServoE
     let free = free_parameters(twin, &FOLLOWING.map(String::from))?;
     let free: Vec<Free> = free.into_iter().map(|f| f.near_start(&twin.robot)).collect();
     Ok(identify(twin, &[fit], &free, &Settings::default(), watch)?.twin)
-}
-
-/// What is not simulated here, a contact that lasts a while, cannot be proved.
-fn with_what_is_simulated(settings: &diagnosis::Settings) -> diagnosis::Settings {
-    let mut settings = settings.clone();
-    let others = CATALOGUE.iter().filter(|e| !is_simulated(**e));
-    settings.without.extend(others.map(|e| e.about().name.to_string()));
-    settings
 }

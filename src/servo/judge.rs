@@ -83,7 +83,7 @@ fn keep_cause(cause: &mut Cause, twin: &Twin, estimates: &[Estimate]) {
 fn within_range(found: &Estimate, twin: &Twin) -> [f64; 2] {
     let about = find(found.effect).map(|e| e.about());
     let own = about.and_then(|a| a.parameters.iter().find(|p| p.name == found.name));
-    let Some(range) = own.map(|p| p.on(&Size::of(&twin.robot))) else {
+    let Some(range) = own.map(|p| p.on(&Size::of(&twin.robot).laden())) else {
         return [found.low, found.high];
     };
     if found.identifiable { [found.low, found.high] } else { [range.min, range.max] }

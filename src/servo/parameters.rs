@@ -74,7 +74,7 @@ const FIRST_SHARE: f64 = 1e-2;
 /// # Errors
 /// If there is no such effect, or it cannot be fitted this way.
 pub fn free_parameters(twin: &Twin, effects: &[String]) -> Result<Vec<Free>, ServoError> {
-    let (mut all, size) = (Vec::new(), Size::of(&twin.robot));
+    let (mut all, size) = (Vec::new(), Size::of(&twin.robot).laden());
     for name in effects {
         let wrong =
             |problem: &str| ServoError::Term { name: name.clone(), problem: problem.into() };
@@ -94,7 +94,7 @@ pub fn free_parameters(twin: &Twin, effects: &[String]) -> Result<Vec<Free>, Ser
                 let of_servo = about.scope == Scope::Joint;
                 let own = if of_servo { *parameter } else { parameter.on(&size) };
                 let start = start(twin, effect, &own, joint.unwrap_or(0));
-                let (min, max) = bounds(effect, &own);
+                let (min, max) = bounds(twin, effect, &own, joint.unwrap_or(0));
                 let start = start.clamp(min, max);
                 let (expected, spread) = (start, f64::INFINITY);
                 all.push(Free { effect, parameter, joint, start, min, max, expected, spread });
@@ -119,10 +119,15 @@ fn begin_near(all: &mut [Free], reach: f64) {
     }
 }
 
-fn bounds(effect: &dyn Effect, p: &Parameter) -> (f64, f64) {
+fn bounds(twin: &Twin, effect: &dyn Effect, p: &Parameter, joint: usize) -> (f64, f64) {
     match (effect.stands_for(), p.name) {
         (Some(DrivePart::RotorInertia), _) => (LIGHTEST, p.max),
         (_, "servo_gain_error") => (LEAST_GAIN, MOST_GAIN),
+        // A motor brakes itself; none drives itself on.
+        (_, "servo_damping") => {
+            let assumed = twin.drive.servo.as_ref().map_or(0.0, |s| s.damping[joint]);
+            (p.min.max(-assumed), p.max)
+        }
         _ if carries_others(effect, p) => (LEAST_SHARE * p.max, p.max),
         _ => (p.min, p.max),
     }

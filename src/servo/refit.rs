@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::parameters::with_values;
 use super::{Estimate, Free, ServoError, Settings, Track, approach, free_parameters, identify};
 use crate::diagnosis::{Change, changed};
-use crate::effects::{Effect, Role, Seen, find};
+use crate::effects::Role;
 use crate::follow::Watch;
 use crate::twin::Twin;
 
@@ -66,7 +66,8 @@ impl<'a> Refits<'a> {
     ) -> Result<Twin, ServoError> {
         let own = changes.last().map_or(Ok(Vec::new()), |last| parameters(alone, last))?;
         let values: Vec<f64> = own.iter().map(|f| f.start).collect();
-        let starts = [with_values(current, &own, &values), current.clone()];
+        let with_kept = with_kept(current, alone, &own);
+        let starts = [with_values(&with_kept, &own, &values), current.clone()];
         from_either(starts, |start| self.approached(start, changes, &FROM_NEAR))
     }
 
@@ -104,14 +105,14 @@ impl<'a> Refits<'a> {
         approach(start, &[self.fit], &free, (stretches, &Settings::default()), self.watch)
     }
 
-    /// What the twin leaves open, and the parameters of the changes where they act, with their values in `start`. Beside
-    /// changes they are expected near those before, as far off as such effects usually are or as a search has them:
-    /// what the recording does not tell stays there.
+    /// What the twin leaves open, and the parameters of the changes where they act, with their values in `start`. They are
+    /// expected near those, beside changes near those before, as far off as such effects usually are or as a search
+    /// has them: what the recording does not tell stays there (friction of a joint that hardly moves).
     fn free(&self, start: &Twin, changes: &[Change]) -> Result<Vec<Free>, ServoError> {
         let open: Vec<String> = self.twin.open().map(|e| e.about().name.to_string()).collect();
         let all = |twin: &Twin| -> Result<Vec<Free>, ServoError> {
             let mut free = free_parameters(twin, &open)?;
-            for change in changes.iter().filter(|c| find(&c.effect).is_some_and(is_simulated)) {
+            for change in changes {
                 let mut own = parameters(twin, change)?;
                 own.retain(|f| !free.iter().any(|g| is_same(f, g)));
                 free.extend(own);
@@ -120,7 +121,7 @@ impl<'a> Refits<'a> {
         };
         let own = all(start)?;
         if changes.is_empty() {
-            return Ok(own);
+            return Ok(own.into_iter().map(|f| f.near_start(&start.robot)).collect());
         }
         let before = all(&self.before.twin)?.into_iter().map(|f| f.near_start(&start.robot));
         let placed = |(before, own): (Free, Free)| {
@@ -140,9 +141,15 @@ impl<'a> Refits<'a> {
     }
 }
 
-/// Does it change the simulated motion all the time, in a way that is simulated here?
-pub fn is_simulated(effect: &dyn Effect) -> bool {
-    effect.seen() == Seen::Columns && !effect.lasts_a_while()
+/// `twin` with those values of the effects of `own` that no fit moves, as `found` has them, where it has none.
+fn with_kept(twin: &Twin, found: &Twin, own: &[Free]) -> Twin {
+    let mut with = twin.clone();
+    for name in own.iter().flat_map(|f| f.effect.kept()) {
+        if let Some(values) = found.values.get(*name) {
+            with.values.entry((*name).into()).or_insert_with(|| values.clone());
+        }
+    }
+    with
 }
 
 fn is_same(a: &Free, b: &Free) -> bool {

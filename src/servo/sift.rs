@@ -2,7 +2,7 @@
 //!
 //! A search sees them along one motion. What it finds there must hold where the twin is led along another command:
 //! a change with which the simulated position does not surely come nearer is none. Sizes of errors count, not their
-//! squares: a contact that lasts a while is not simulated here, and squares would let it decide.
+//! squares: what stops the arm for a moment in one recording alone is not simulated here, and squares would let it decide.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -222,42 +222,97 @@ fn what_is_fitted_at_one_joint_leaves_the_drive_at_others() {
     assert_eq!(heavier.drive.rotor_inertia, [1.1, 1.1, 1.1, 0.5, 0.14, 0.14]);
 }
 
+fn without(twin: &Twin, effect: &str) -> Twin {
+    let own = crate::effects::find(effect).unwrap().about().parameters;
+    let mut twin = twin.clone();
+    twin.effects.retain(|e| e != effect);
+    twin.values.retain(|name, _| own.iter().all(|p| p.name != name));
+    twin
+}
+
+fn change(effect: &str, joints: &[usize], values: &[(&str, f64)]) -> Change {
+    let value = |&(name, value): &(&str, f64)| Value {
+        name: name.into(),
+        joint: joints.first().copied(),
+        unit: String::new(),
+        value,
+        low: value,
+        high: value,
+        at_bound: false,
+    };
+    let parameters = values.iter().map(value).collect();
+    Change { effect: effect.into(), joints: joints.to_vec(), parameters, replaces: false }
+}
+
+/// Which of `changes` stand where the arm of `scenario` has `effect` and its twin has not, and the twin with them.
+fn sifted(scenario: &str, effect: &str, open: &[&str], changes: &[Change]) -> Sifted {
+    let (truth, fit) = by_rapier(scenario);
+    let other = scenario.replace("duration_s = 6", "duration_s = 6\nseed = 7");
+    let (_, check) = by_rapier(&other);
+    let mut twin = without(&truth, effect);
+    open.iter().for_each(|name| drop(twin.values.remove(*name)));
+    let refits = Refits::new(&twin, &fit, &()).unwrap();
+    let settings = crate::diagnosis::Settings::default();
+    let sieve = Sieve { fit: &fit, check: &check, refits: &refits, settings: &settings };
+    sieve.sift(changes).unwrap()
+}
+
+/// A servo brakes less than its twin's by more than the joint's viscous friction, which cannot be negative.
+#[test]
+fn less_damping_of_a_servo_stands_where_friction_would_have_to_push() {
+    let less = "[effects.servo_damping]\nservo_damping = [0, 0, 0, -9, 0, 0]\n";
+    let changes = [
+        change("viscous_quadratic", &[4], &[("viscous_quadratic", -0.5)]),
+        change("servo_damping", &[4], &[("servo_damping", -1.0)]),
+    ];
+    let found = sifted(&format!("{SERVOS}{less}"), "servo_damping", &["viscous"], &changes);
+    assert_eq!(found.stand, [Stands { index: 1, equals: vec![] }]);
+    let [own, viscous] = ["servo_damping", "viscous"].map(|name| found.twin.values[name][3]);
+    assert!((own + viscous + 7.1).abs() < 0.7, "{own} {viscous}");
+    // No servo drives itself on.
+    let mut twin = found.twin;
+    twin.drive.servo.as_mut().unwrap().damping[3] = 4.0;
+    let damping = free_parameters(&twin, &["servo_damping".to_string()]).unwrap();
+    assert_eq!(damping[3].min, -4.0);
+}
+
+/// A push on the flange for two seconds, in both recordings at the same time.
+#[test]
+fn a_contact_that_lasts_a_while_stands() {
+    let window = [("contact_start", 2.5), ("contact_duration", 2.0), ("contact_height", 10.0)];
+    let push = "[effects.external_contact]\ncontact_x = 20\ncontact_y = 0\ncontact_z = -60\n\
+                contact_start = 2.5\ncontact_duration = 2.0\ncontact_height = 10\n";
+    let values = [&[("contact_x", 1.0), ("contact_y", 1.0), ("contact_z", -10.0)][..], &window];
+    let changes = [
+        change("servo_offset", &[2], &[("servo_offset", 1e-3)]),
+        change("external_contact", &[], &values.concat()),
+    ];
+    let found = sifted(&format!("{SERVOS}{push}"), "external_contact", &[], &changes);
+    assert_eq!(found.stand, [Stands { index: 1, equals: vec![] }]);
+    for (name, wanted) in [("contact_x", 20.0), ("contact_z", -60.0), ("contact_start", 2.5)] {
+        let value = found.twin.values[name][0];
+        assert!((value - wanted).abs() < 5.0, "{name}: {value}");
+    }
+}
+
 /// A load that the twin does not carry, beside what is not there; a search along another motion thinks it next to
 /// weightless and far off the flange.
 #[test]
 fn of_changes_stands_what_brings_another_motion_nearer() {
     let load = "[effects.payload]\npayload_mass = 2.0\npayload_moment_x = 0.1\npayload_moment_y = 0\n\
                 payload_moment_z = 0.2\n";
-    let (truth, fit) = by_rapier(&format!("{SERVOS}{load}"));
-    let other = SERVOS.replace("duration_s = 6", "duration_s = 6\nseed = 7");
-    let (_, check) = by_rapier(&format!("{other}{load}"));
-    let mut twin = truth.clone();
-    twin.effects.retain(|e| e != "payload");
-    twin.values.retain(|name, _| !name.starts_with("payload"));
-    let change = |effect: &str, joints: &[usize], values: &[(&str, f64)]| {
-        let value = |&(name, value): &(&str, f64)| Value {
-            name: name.into(),
-            joint: joints.first().copied(),
-            unit: String::new(),
-            value,
-            low: value,
-            high: value,
-            at_bound: false,
-        };
-        let parameters = values.iter().map(value).collect();
-        Change { effect: effect.into(), joints: joints.to_vec(), parameters, replaces: false }
-    };
     let changes = [
         change("viscous_cubic", &[2], &[("viscous_cubic", 0.1)]),
         change("payload", &[], &[("payload_mass", 1e-3), ("payload_moment_x", -0.5)]),
         change("servo_offset", &[6], &[("servo_offset", 1e-3)]),
     ];
-    let refits = Refits::new(&twin, &fit, &()).unwrap();
-    let settings = crate::diagnosis::Settings::default();
-    let sieve = Sieve { fit: &fit, check: &check, refits: &refits, settings: &settings };
-    let Sifted { stand, twin: mended } = sieve.sift(&changes).unwrap();
-    assert_eq!(stand, [Stands { index: 1, equals: vec![] }]);
+    let found = sifted(&format!("{SERVOS}{load}"), "payload", &[], &changes);
+    assert_eq!(found.stand, [Stands { index: 1, equals: vec![] }]);
+    let mended = found.twin;
     assert!((mended.values["payload_mass"][0] - 2.0).abs() < 0.2, "{:?}", mended.values);
+    let (truth, fit) = by_rapier(&format!("{SERVOS}{load}"));
+    let twin = without(&truth, "payload");
+    let refits = Refits::new(&twin, &fit, &()).unwrap();
     let near = refits.all(&mended, &changes[1..2]).unwrap();
     let mass = near.estimates.iter().find(|e| e.name == "payload_mass").unwrap();
     assert!((mass.value - 2.0).abs() < 0.1 && mass.identifiable, "{mass:?}");

@@ -84,6 +84,9 @@ pub fn infer(
 fn robust_covariances(design: &Design, residual: &DVector<f64>, slots: &[usize]) -> [LongRun; 2] {
     let basis = design.basis();
     let (n, rank) = (residual.len() as f64, design.rank() as f64);
+    if design.rank() == 0 {
+        return [(); 2].map(|()| LongRun { covariance: design.unit_covariance(), dof: n });
+    }
     let mut scores = basis.clone();
     scores.column_iter_mut().for_each(|mut c| c.component_mul_assign(residual));
     let free = cosine_covariance(&scores, slots);

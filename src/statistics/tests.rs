@@ -248,6 +248,15 @@ fn what_cannot_be_inferred_is_refused() {
 }
 
 #[test]
+fn what_nothing_tells_is_not_determined() {
+    let slots: Vec<usize> = (0..40).collect();
+    let jacobian = DMatrix::zeros(40, 2);
+    let found = infer(&[1.0, 2.0], &[0.0; 2], &jacobian, &[0.1; 40], &slots, 0.99).unwrap();
+    assert_eq!(found.design.rank(), 0);
+    assert!(found.robust.iter().all(|r| r.p == 1.0 && r.low.is_nan()));
+}
+
+#[test]
 fn a_perfect_fit_has_no_spread_and_no_panic() {
     let jacobian = DMatrix::from_fn(40, 2, |i, k| (i as f64).powi(k as i32));
     let slots: Vec<usize> = (0..40).collect();
