@@ -1,7 +1,8 @@
 """A real SO-101, six position servos: what diagnose finds from ten pairs of its motions, and whether it has play.
 
     python3 benches/so101.py RECORDINGS --work WORK -o docs/so101.md
-    (with --kept it takes the answers that WORK holds)
+    (with --kept it takes the answers that WORK holds; with --only pairs, play or clock it makes that section anew and
+    leaves the others of the page as they are)
 
 RECORDINGS is sage-so101. ARMTWIN is the program (target/release/armtwin).
 """
@@ -195,24 +196,37 @@ def play(arm):
         table(['motion', 'play', 'fitted', JUDGE, '1', '2', '3', '4', '5', '6'], rows)])
 
 
+SECTIONS = {'pairs': ('## Causes in ten pairs', pairs), 'play': ('## Is there play?', play),
+            'clock': ('## Rounding and clock', clock)}
+
+
+def section(page, head):
+    """What stands under a head of a page; empty where there is no such head."""
+    text = page.read_text() if page and page.exists() else ''
+    return text.partition(f'{head}\n')[2].split('\n## ', 1)[0].strip()
+
+
 def main():
     parse = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parse.add_argument('recordings', type=Path)
     parse.add_argument('--work', type=Path, required=True)
     parse.add_argument('--kept', action='store_true', help='take the answers that are there')
+    parse.add_argument('--only', nargs='+', choices=SECTIONS, default=list(SECTIONS), help='sections that are made anew')
     parse.add_argument('-o', '--out', type=Path)
     arguments = parse.parse_args()
     began, arm = time.time(), Arm(arguments)
-    text = '\n'.join([
-        '# A real SO-101', '', 'Made by `python3 benches/so101.py RECORDINGS --work WORK -o docs/so101.md`.', '',
-        "Six STS3215 (isaac-sim2real/sage, 50 Hz). The twin is the makers' URDF and MuJoCo values, Coulomb and viscous "
-        'friction open; 30 s of one motion are searched, 30 s of another decide, along which the twin is then led '
-        'from the first sample to the last. Before: friction fitted, nothing added. In random_waypoints joints 2 to 4 are '
-        'stopped together twice (6 to 7 s, 21 to 22 s), by something that no twin here has; causes are decided by '
-        'the size of errors, the root mean square there is that of the stops.', '', pairs(arm), '', '## Is there play?',
-        '', play(arm), '', '## Rounding and clock', '', clock(arm)]) + '\n'
+    text = ['# A real SO-101', '', 'Made by `python3 benches/so101.py RECORDINGS --work WORK -o docs/so101.md`.', '',
+            "Six STS3215 (isaac-sim2real/sage, 50 Hz). The twin is the makers' URDF and MuJoCo values, Coulomb and viscous "
+            'friction open; 30 s of one motion are searched, 30 s of another decide, along which the twin is then led '
+            'from the first sample to the last. Before: friction fitted, nothing added. In random_waypoints joints 2 to 4 are '
+            'stopped together twice (6 to 7 s, 21 to 22 s), by something that no twin here has; causes are decided by '
+            'the size of errors, the root mean square there is that of the stops.']
+    for name, (head, make) in SECTIONS.items():
+        own = make(arm) if name in arguments.only else section(arguments.out, head)
+        text += ['', head, '', own] if own else []
     print(f'{time.time() - began:.0f} s', file=sys.stderr)
-    arguments.out.write_text(text) if arguments.out else print(text)
+    page = '\n'.join(text) + '\n'
+    arguments.out.write_text(page) if arguments.out else print(page)
 
 
 if __name__ == '__main__':

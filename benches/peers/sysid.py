@@ -135,7 +135,7 @@ def main():
     arguments.work.mkdir(parents=True, exist_ok=True)
     recording, twin, xml = recorded(arguments.work)
     found = {'armtwin identify, whole program': ours(recording, twin, arguments.work)}
-    for optimizer in ['mujoco', 'scipy_parallel_fd', 'scipy']:
+    for optimizer in ['mujoco', 'scipy_parallel_fd']:
         found[f'mujoco.sysid, optimizer {optimizer}'] = theirs(recording, xml, optimizer)
     rows = [[name, *(f'{s:.1f}' for s in seconds), *off(values)] for name, (seconds, values) in found.items()]
     text = '\n'.join([
