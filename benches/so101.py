@@ -113,7 +113,7 @@ def pairs(arm):
     return '\n'.join([
         f'The same leading cause, or its equal, should be named in {100 * AGREE:.0f} % of the pairs: {met}, {name} in '
         f'{count} of {len(PAIRS)}. A payload that leads or is a cause weighs {min(masses):.3f} to {max(masses):.3f} kg '
-        f'(median {statistics.median(masses):.3f}, {len(masses)} pairs).', '',
+        f'(median {statistics.median(masses):.3f}, {len(masses)} pairs). Seconds are of the clock, beside whatever else ran.', '',
         table(['searched', 'decided on', 'before, mrad', 'after', 'causes', 's'], rows), '',
         'Joint by joint, root mean square before and after, mrad; what rounding to the encoder\'s 1.53 mrad alone leaves:',
         '', table(['', '1', '2', '3', '4', '5', '6'], joints + [['rounding', *rounding]])])
@@ -134,7 +134,9 @@ def scatter(folder):
 
 def shaken(folder, to, sigma, seed):
     """A copy of a recording whose positions were read at times `sigma` us off those that stand there."""
-    to.mkdir(parents=True, exist_ok=True)
+    if to.exists():
+        return to
+    to.mkdir(parents=True)
     noise = random.Random(seed)
     head, rows, t = times(folder, 'state_motor.csv.gz')
     off = [noise.gauss(0, sigma) for _ in t]
