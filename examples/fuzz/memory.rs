@@ -49,7 +49,7 @@ pub fn peak() -> usize {
     PEAK.load(Relaxed)
 }
 
-/// Of the process with all its libraries, MB.
+/// The largest memory of the process with all its libraries, MB.
 pub fn resident_peak() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));

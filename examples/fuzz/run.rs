@@ -13,7 +13,7 @@ use crate::bytes::Random;
 use crate::targets::{Corpus, Target};
 use crate::{kept, memory};
 
-/// Of processor time where an input takes longer on the clock.
+/// What an input may take: processor time where it takes longer on the clock.
 const LONGEST: Duration = Duration::from_secs(1);
 /// After so long nobody waits any more.
 const HOPELESS_S: u64 = 60;
@@ -32,13 +32,13 @@ pub struct Limit {
 pub struct Result {
     pub target: String,
     pub seed: u64,
-    /// Of armtwin.
+    /// The version of armtwin.
     pub version: String,
     /// On which it ended, in UTC.
     pub day: String,
     pub executions: u64,
     pub clock_s: f64,
-    /// Of all threads; on the clock where that is not known.
+    /// The time of all threads; on the clock where that is not known.
     pub processor_s: f64,
     /// Inputs that were read without an error.
     pub read: u64,
@@ -140,6 +140,7 @@ pub fn alone(target: &Target, limit: &Limit, seed: u64) {
     let scratch = scratch.unwrap_or_else(|| self::scratch(std::process::id(), target.name));
     std::fs::create_dir_all(&scratch).expect("a scratch folder");
     let mut beside = Beside::new(&scratch);
+    on_this_thread();
     watch();
     let mut corpus = Corpus::new((target.seeds)());
     std::panic::set_hook(Box::new(|_| {}));
@@ -195,6 +196,13 @@ pub fn alone(target: &Target, limit: &Limit, seed: u64) {
     result.answers = answers.len();
     result.resident_mb = memory::resident_peak();
     println!("{}", serde_json::to_string(&result).expect("plain numbers"));
+}
+
+/// Lets readers work on this thread alone: inputs are small, and to hand them to others took longer than to
+/// read them.
+fn on_this_thread() {
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+    alone.build_global().expect("nothing has worked in parallel before");
 }
 
 /// What one more time takes on the clock; where that is too long, and where it is known, of processors, as

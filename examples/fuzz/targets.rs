@@ -52,7 +52,7 @@ pub struct Corpus {
     pub seeds: Vec<Vec<u8>>,
     /// What was answered in a way of its own.
     pub kept: Vec<Vec<u8>>,
-    /// Of all seeds.
+    /// The words of all seeds.
     pub words: Vec<Vec<u8>>,
 }
 
