@@ -1,10 +1,11 @@
 //! Which of what a search finds is called a cause.
 
-use super::candidate::Candidate;
+use super::candidate::{Candidate, Place};
+use super::criteria::Criteria;
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, Hypothesis, Standing};
 use super::judge::{Gain, Judge};
-use super::ranking::probability;
+use super::ranking::{is_equal, is_mine, probability};
 use super::search::Found;
 
 /// The model with the causes that are called causes, each among its rivals.
@@ -12,17 +13,32 @@ pub struct Called<'a> {
     pub fit: Fit<'a>,
     pub standings: Vec<Standing<'a>>,
     pub gains: Vec<Gain>,
-    /// What both recordings show together, and one of them alone does not.
+    /// What both recordings show together, and the fit recording alone does not.
     pub unconfirmed: Vec<Candidate>,
     /// Where a proof decided: what it cannot tell from each cause.
     pub equals: Option<Vec<Vec<Candidate>>>,
 }
 
-/// What stands of the search of both recordings: causes that are more probable than not, gain on the check
-/// recording, and sit at no bound. What does not is left out, the weakest first, and the others are seen again
-/// without it. Where the law is not exact, each recording alone has to show the cause too.
-pub fn called<'a>(search: &Hypotheses<'a>, judge: &Judge<'_>, found: &Found<'a>) -> Called<'a> {
-    let mut fit = found.last.clone();
+/// What stands of the search of both recordings.
+pub fn called<'a>(
+    search: &Hypotheses<'a>,
+    judge: &Judge<'_>,
+    found: &Found<'a>,
+    blind: &Found<'_>,
+) -> Called<'a> {
+    let confirming: Vec<Candidate> = blind.last.model.causes.iter().map(|t| t.candidate).collect();
+    standing(search, judge, found.last.clone(), &confirming)
+}
+
+/// Causes that are more probable than not, gain on the check recording, and sit at no bound: what does not is
+/// left out, the weakest first, and the others are seen again without it. Where the law is not exact, `blind` has
+/// to hold the cause too.
+fn standing<'a>(
+    search: &Hypotheses<'a>,
+    judge: &Judge<'_>,
+    mut fit: Fit<'a>,
+    blind: &[Candidate],
+) -> Called<'a> {
     let (mut rejected, mut unconfirmed) = (Vec::new(), Vec::new());
     loop {
         // What costs least to see comes first.
@@ -39,10 +55,11 @@ pub fn called<'a>(search: &Hypotheses<'a>, judge: &Judge<'_>, found: &Found<'a>)
             fit = next;
             continue;
         }
+        let chosen = |i: &usize| is_chosen(&standings[*i], blind, &search.criteria);
         let law = |i: &usize| {
             gains[*i].needs_replication(fit.model.causes[*i].candidate, &search.criteria)
         };
-        let is_open = |i: &usize| law(i) && !is_shown_twice(search, judge, &fit, *i);
+        let is_open = |i: &usize| law(i) && !chosen(i);
         let Some(i) = (0..count).filter(is_open).min_by(least) else {
             return Called { fit, standings, gains, unconfirmed, equals: None };
         };
@@ -51,10 +68,15 @@ pub fn called<'a>(search: &Hypotheses<'a>, judge: &Judge<'_>, found: &Found<'a>)
     }
 }
 
-/// Does each recording by itself show cause `i`, one among so many?
-fn is_shown_twice(search: &Hypotheses<'_>, judge: &Judge<'_>, fit: &Fit<'_>, i: usize) -> bool {
-    let shows = |nats: f64| nats - search.ln_rivals() > search.criteria.least_nats;
-    judge.in_each(fit, i).into_iter().all(shows)
+/// Is the cause, or what looks the same, among these? What acts in the whole arm is also there where it
+/// was found at a joint, and the other way round.
+fn is_chosen(standing: &Standing<'_>, blind: &[Candidate], criteria: &Criteria) -> bool {
+    let same = |h: &Hypothesis<'_>, c: &Candidate| {
+        let either = c.place == Place::Arm || h.candidate().place == Place::Arm;
+        c.name() == h.candidate().name() && (c.place == h.candidate().place || either)
+    };
+    let mine = |h: &&Hypothesis<'_>| is_mine(standing, h) || is_equal(standing, h, criteria);
+    standing.ranked.iter().filter(mine).any(|h| blind.iter().any(|c| same(h, c)))
 }
 
 /// The fit without the weakest cause that fails, or with the better one of two names; `None` where all stand.

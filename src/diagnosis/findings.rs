@@ -19,7 +19,7 @@ pub struct Findings<'a> {
     pub last: Fit<'a>,
     pub standings: Vec<Standing<'a>>,
     pub gains: Vec<Gain>,
-    /// What both recordings show together, and one of them alone does not.
+    /// What both recordings show together, and the fit recording alone does not.
     pub unconfirmed: Vec<Candidate>,
     /// Where a proof decided: what it cannot tell from each cause.
     pub equals: Option<Vec<Vec<Candidate>>>,

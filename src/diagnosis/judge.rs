@@ -7,7 +7,7 @@
 //! squares.
 
 use super::Checked;
-use super::candidate::{Candidate, acts_on};
+use super::candidate::Candidate;
 use super::criteria::Criteria;
 use super::data::Data;
 use super::fit::Fit;
@@ -47,21 +47,6 @@ impl Gain {
 }
 
 impl Judge<'_> {
-    /// Evidence for cause `i` of a fit to both recordings in each of them alone, beside the other causes and the
-    /// discrepancy that is left there, nats. Its nonlinear values are those of both, the linear ones each recording's.
-    pub fn in_each(&self, fit: &Fit<'_>, i: usize) -> [f64; 2] {
-        let cause = fit.model.causes[i].candidate;
-        let touched: Vec<usize> = (0..fit.data.joints()).filter(|j| acts_on(cause, *j)).collect();
-        [self.fit, self.check].map(|data| {
-            let evidence = |model: Model| {
-                let fit = Fit::new(data, model, fit.sizes.clone());
-                let sizes = fit.likely_sizes(&touched);
-                fit.beside(sizes).ln_evidence()
-            };
-            evidence(fit.model.clone()) - evidence(fit.model.without(i))
-        })
-    }
-
     /// Gain by cause `i` of a fit to both recordings: what it takes off what the others leave.
     pub fn gain(&self, fit: &Fit<'_>, i: usize) -> Gain {
         let (check, metric) = (self.check, self.check.metric(&fit.sizes));
@@ -139,8 +124,8 @@ mod tests {
         made
     }
 
-    /// What is seen of an offset at `joint`, which is fitted to two motions.
-    fn judged<T>(joint: usize, see: impl Fn(&Judge<'_>, &Fit<'_>) -> T) -> T {
+    /// What an offset at `joint` gains, from one motion to another.
+    fn gained(joint: usize) -> Gain {
         let twin = Twin::default();
         let (first, second) = (recorded(0.9), recorded(1.3));
         let floors = [&first, &second].map(|s| noise_floor(s, &twin));
@@ -152,21 +137,7 @@ mod tests {
         let offset = Candidate::new(find("current_offset").unwrap(), Place::Joint(joint));
         let model = Model::of(&twin).with(Term::new(offset, vec![]));
         let criteria = settings.criteria;
-        see(&Judge { fit: &alone, check: &other, criteria }, &Fit::plain(&both, model))
-    }
-
-    fn gained(joint: usize) -> Gain {
-        judged(joint, |judge, fit| judge.gain(fit, 0))
-    }
-
-    /// Each recording shows the offset by itself, and none where it is not.
-    #[test]
-    fn each_recording_shows_what_is_there() {
-        for joint in 0..6 {
-            let nats = judged(joint, |judge, fit| judge.in_each(fit, 0));
-            assert!(nats.iter().all(|n| (*n > 100.0) == (joint == JOINT)), "{joint}: {nats:?}");
-            assert!(joint == JOINT || nats.iter().all(|n| *n < 3.0), "{joint}: {nats:?}");
-        }
+        Judge { fit: &alone, check: &other, criteria }.gain(&Fit::plain(&both, model), 0)
     }
 
     #[test]

@@ -15,8 +15,8 @@ pub fn named(candidate: Candidate) -> Named {
     Named { effect: candidate.name().into(), joints: candidate.place.joints() }
 }
 
-/// Probability that a law that is not exact agrees again: shown by each of two recordings by itself, it agreed
-/// in two of two (Jeffreys' prior: (2 + 1/2) / (2 + 1)). Where it would not, something unknown
+/// Probability that a law that is not exact agrees again: chosen by one recording and confirmed by another,
+/// it agreed in two of two (Jeffreys' prior: (2 + 1/2) / (2 + 1)). Where it would not, something unknown
 /// looks like it.
 const REPLICATES: f64 = 2.5 / 3.0;
 

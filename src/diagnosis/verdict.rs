@@ -46,7 +46,7 @@ impl<'a> Findings<'a> {
         );
         let seen = |(alone, found): (Found<'a>, Found<'a>)| {
             let held = HeldOut::new(&alone.last, check);
-            let called = called(both, &judge, &found);
+            let called = called(both, &judge, &found, &alone);
             (found, held, called)
         };
         let (found, held, called) = match proof {
@@ -258,7 +258,7 @@ impl<'a> Findings<'a> {
             causes.filter(|t| !self.last.model.has(t.candidate) && !is_equal(&t.candidate));
         for term in dropped {
             let why = match self.unconfirmed.contains(&term.candidate) {
-                true => "both recordings together show it, one of them alone does not",
+                true => "both recordings together show it, the fit recording alone does not",
                 false => "takes nothing sure off the check recording",
             };
             let name = super::candidate::describe(term.candidate);
