@@ -1,7 +1,7 @@
 //! Is the recorded velocity what the recorded position changes by? Asked of sums over stretches of time,
 //! so that noise, rounding, filters and delays of either do not matter.
 
-use super::{Doubt, named, near};
+use super::{Doubt, FACTOR, named, near};
 use crate::recording::Recording;
 use crate::recording::inspection::step;
 use crate::series::JointSeries;
@@ -15,9 +15,6 @@ const FEWEST_STRETCHES: usize = 20;
 const AGREES: f64 = 0.9;
 /// ... and have nothing to do with each other below this.
 const DIFFERS: f64 = 0.5;
-/// Beyond this and its inverse the slope of one over the other is no accident: at that correlation noise of either
-/// takes up to a fifth off it, and no load or gain comes between an angle and its derivative.
-const SLOPE: f64 = 1.3;
 /// rad (or degrees): a joint that moves less over the whole recording is not asked.
 const TRAVEL: f64 = 0.05;
 
@@ -49,7 +46,7 @@ pub fn doubts(recording: &Recording, time_scale: f64) -> Vec<Doubt> {
     let Some(changes) = changes(recording, time_scale) else { return Vec::new() };
     let own: Vec<(usize, Agreement)> =
         (0..changes.position.len()).filter_map(|j| Some((j, changes.agreement(j, j)?))).collect();
-    let off = |a: &Agreement| !(1.0 / SLOPE..SLOPE).contains(&a.slope.abs());
+    let off = |a: &Agreement| !(1.0 / FACTOR..FACTOR).contains(&a.slope.abs());
     let agrees = |a: &Agreement| a.correlation.abs() >= AGREES;
     let of = |test: &dyn Fn(&Agreement) -> bool| -> Vec<(usize, Agreement)> {
         own.iter().copied().filter(|(_, a)| test(a)).collect()
@@ -115,8 +112,9 @@ impl Changes {
     /// Columns that belong to other joints, or to nothing.
     fn order(&self, foreign: &[(usize, Agreement)]) -> Option<Doubt> {
         let fits = |j: usize, k: usize| {
-            self.agreement(j, k)
-                .is_some_and(|a| a.correlation >= AGREES && (1.0 / SLOPE..SLOPE).contains(&a.slope))
+            self.agreement(j, k).is_some_and(|a| {
+                a.correlation >= AGREES && (1.0 / FACTOR..FACTOR).contains(&a.slope)
+            })
         };
         let others = 0..self.velocity.len();
         let told: Vec<(usize, usize)> = foreign
