@@ -2,6 +2,8 @@
 
 use statrs::function::gamma::gamma_ur;
 
+use super::toeplitz::lagged_products;
+
 /// r_l for lags 0 to `lags`, about the mean, biased (divided by n): Brockwell and Davis, Time
 /// Series: Theory and Methods, section 7.2. All zero but r_0 for a constant series.
 pub fn autocorrelation(x: &[f64], lags: usize) -> Vec<f64> {
@@ -25,7 +27,12 @@ pub fn effective_samples(x: &[f64]) -> f64 {
     if n < 4 {
         return n as f64;
     }
-    let r = autocorrelation(x, n - 1);
+    let mean = x.iter().sum::<f64>() / n as f64;
+    let products = lagged_products(&x.iter().map(|v| v - mean).collect::<Vec<f64>>());
+    let r: Vec<f64> = match products[0] > 0.0 {
+        true => products.iter().map(|p| p / products[0]).collect(),
+        false => vec![1.0],
+    };
     let (mut sum, mut least) = (0.0, f64::INFINITY);
     for pair in r.chunks_exact(2) {
         least = least.min(pair[0] + pair[1]);

@@ -11,6 +11,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::autoregression::Autoregression;
 use super::kernel::{dot, zero_filled};
+use super::toeplitz::Toeplitz;
 
 /// Factor in the number of cosines, B = 0.41 n^(2/3).
 const COSINES: f64 = 0.41;
@@ -57,25 +58,24 @@ pub fn model_covariance(basis: &DMatrix<f64>, residual: &[f64], slots: &[usize])
     let longest = present.len() - 1;
     let model = Autoregression::fit(residual, slots);
     let gamma = model.autocovariance(longest);
-    let filtered: Vec<Vec<f64>> = columns.iter().map(|q| toeplitz(&gamma, q, &present)).collect();
+    let on_slots = |gamma: &[f64]| filtered(gamma, &columns, &present);
+    let filtered = on_slots(&gamma);
     let covariance = inner(&columns, &filtered);
     let shrunk = after_fitting(&gamma, &columns, &filtered, &covariance, &present, model.order());
     let shrunk = Autoregression::from_autocovariance(&shrunk).autocovariance(longest);
-    let refiltered: Vec<_> = columns.iter().map(|q| toeplitz(&shrunk, q, &present)).collect();
-    let covariance = raise(&covariance, &inner(&columns, &refiltered));
+    let covariance = raise(&covariance, &inner(&columns, &on_slots(&shrunk)));
     let n = residual.len() as f64;
     let dof = (0.5 * n / correlation_time(&gamma)).clamp(3.0, n);
     LongRun { covariance, dof }
 }
 
-/// Omega q on the slots present, Omega_ts = gamma_|t-s|.
-fn toeplitz(gamma: &[f64], q: &[f64], present: &[f64]) -> Vec<f64> {
-    let mut y: Vec<f64> = q.iter().map(|q| gamma[0] * q).collect();
-    for (lag, g) in gamma.iter().enumerate().skip(1) {
-        y[lag..].iter_mut().zip(q).for_each(|(y, q)| *y += g * q);
-        y.iter_mut().zip(&q[lag..]).for_each(|(y, q)| *y += g * q);
+/// Omega q of every column on the slots present, Omega_ts = gamma_|t-s|.
+fn filtered(gamma: &[f64], columns: &[Vec<f64>], present: &[f64]) -> Vec<Vec<f64>> {
+    let mut all = Toeplitz::new(gamma, present.len()).times(columns);
+    for y in &mut all {
+        y.iter_mut().zip(present).for_each(|(y, p)| *y *= p);
     }
-    y.iter().zip(present).map(|(y, p)| y * p).collect()
+    all
 }
 
 fn inner(a: &[Vec<f64>], b: &[Vec<f64>]) -> DMatrix<f64> {

@@ -15,6 +15,7 @@ mod kernel;
 mod long_run;
 mod noise;
 mod tail;
+mod toeplitz;
 mod whitening;
 
 pub use autocorrelation::{LjungBox, autocorrelation, effective_samples, ljung_box};
