@@ -46,7 +46,8 @@ pub fn doubts(recording: &Recording, time_scale: f64) -> Vec<Doubt> {
     let Some(changes) = changes(recording, time_scale) else { return Vec::new() };
     let own: Vec<(usize, Agreement)> =
         (0..changes.position.len()).filter_map(|j| Some((j, changes.agreement(j, j)?))).collect();
-    let off = |a: &Agreement| !(1.0 / FACTOR..FACTOR).contains(&a.slope.abs());
+    let alike = alike(own.iter().map(|(_, a)| a));
+    let off = |a: &Agreement| alike || !(1.0 / FACTOR..FACTOR).contains(&a.slope.abs());
     let agrees = |a: &Agreement| a.correlation.abs() >= AGREES;
     let of = |test: &dyn Fn(&Agreement) -> bool| -> Vec<(usize, Agreement)> {
         own.iter().copied().filter(|(_, a)| test(a)).collect()
@@ -63,8 +64,20 @@ pub fn common_slope(recording: &Recording, time_scale: f64) -> Option<f64> {
     let own = (0..changes.position.len()).filter_map(|j| changes.agreement(j, j));
     let mut slopes: Vec<f64> =
         own.filter(|a| a.correlation >= AGREES).map(|a| a.slope.abs()).collect();
+    median(&mut slopes)
+}
+
+fn median(slopes: &mut [f64]) -> Option<f64> {
     slopes.sort_unstable_by(f64::total_cmp);
     slopes.get(slopes.len() / 2).copied()
+}
+
+/// Is velocity one and the same factor off at several joints? A gear or gripper of one joint has no part in that.
+fn alike<'a>(own: impl Iterator<Item = &'a Agreement>) -> bool {
+    let told = own.filter(|a| a.correlation.abs() >= AGREES);
+    let mut slopes: Vec<f64> = told.map(|a| a.slope.abs()).collect();
+    let common = median(&mut slopes).filter(|common| !near(*common, 1.0));
+    slopes.len() > 1 && common.is_some_and(|common| slopes.iter().all(|s| near(*s, common)))
 }
 
 fn joints(of: &[(usize, Agreement)]) -> String {

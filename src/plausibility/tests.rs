@@ -159,6 +159,10 @@ fn units_are_told() {
     let degrees = 57.295_779_513;
     doubted(&spoilt(&[("actual_q", degrees)]), &["joints 1, 2, 3, 4, 5, 6", "degrees"]);
     doubted(&spoilt(&[("actual_qd", degrees)]), &["actual_qd is in degrees/s"]);
+    doubted(
+        &spoilt(&[("actual_qd", 2.0)]),
+        &["actual_qd is 2.0000 times what actual_q changes by"],
+    );
     doubted(&spoilt(&[("actual_q", degrees), ("actual_qd", degrees)]), &["read in degrees"]);
     doubted(&spoilt(&[("actual_current", 1000.0)]), &["in mA", "joint 2"]);
     doubted(&spoilt(&[("actual_current", 13.6)]), &["holds torque"]);
@@ -229,6 +233,14 @@ fn a_velocity_of_something_else_is_told() {
     let mut recording = recorded(&Truth::default());
     *column(&mut recording, "actual_qd_2") = (0..ROWS).map(|k| (0.05 * k as f64).sin()).collect();
     doubted(&recording, &["joint 3: actual_qd is not what actual_q changes by"]);
+}
+
+/// A gripper's velocity may be that of its motor.
+#[test]
+fn a_factor_of_one_joint_alone_is_its_own_affair() {
+    let mut recording = recorded(&Truth::default());
+    column(&mut recording, "actual_qd_5").iter_mut().for_each(|v| *v *= 2.3);
+    assert_eq!(held(&recording, false).doubts, []);
 }
 
 #[test]
