@@ -36,8 +36,29 @@ pub fn print(report: &Report<'_>) {
     println!("\narmtwin {version}, seed {seed}; tests, other intervals and searches: --full");
 }
 
-/// A row per parameter, a column per joint; then how well the torque fits.
+/// Values with intervals; then how well the torque fits.
 fn values(result: &MethodResult) -> String {
+    let left = |mse: f64| format!("{:.3}", mse.sqrt());
+    let quality: [Quality<'_>; 3] = [
+        ("torque left, fit", "N.m", &|j| Some(left(j.fit.mse_nm2))),
+        ("torque left, check", "N.m", &|j| j.check.map(|c| left(c.mse_nm2))),
+        ("share explained, fit", "R2", &|j| Some(format!("{:.4}", j.fit.r2))),
+    ];
+    by_joint(result, |_, p| Some(cell(p)), &[&quality[..], &[EXPLAINED_ON_CHECK]].concat())
+}
+
+/// What is said of a joint as a whole: name, unit, text.
+type Quality<'a> = (&'a str, &'a str, &'a dyn Fn(&JointEstimate) -> Option<String>);
+
+pub const EXPLAINED_ON_CHECK: Quality<'static> =
+    ("share explained, check", "R2", &|j| j.check.map(|c| format!("{:.4}", c.r2)));
+
+/// A row per parameter, a column per joint; then a row per `quality` that any joint has.
+pub fn by_joint(
+    result: &MethodResult,
+    cell: impl Fn(usize, &ParameterEstimate) -> Option<String>,
+    quality: &[Quality<'_>],
+) -> String {
     let mut names: Vec<(&str, &str)> = Vec::new();
     for p in result.joints.iter().flat_map(|j| &j.parameters) {
         if !names.iter().any(|(name, _)| *name == p.name) {
@@ -47,25 +68,22 @@ fn values(result: &MethodResult) -> String {
     let joints: Vec<String> = result.joints.iter().map(|j| format!("joint {}", j.joint)).collect();
     let header: Vec<&str> =
         ["parameter", "unit"].into_iter().chain(joints.iter().map(String::as_str)).collect();
-    let row = |(name, unit): &(&str, &str)| {
-        let of = |j: &JointEstimate| j.parameters.iter().find(|p| p.name == *name).map(cell);
-        let cells = result.joints.iter().map(|j| of(j).unwrap_or_else(|| "-".into()));
+    let row = |name: &str, unit: &str, cells: Vec<String>| {
         [name.to_string(), unit.to_string()].into_iter().chain(cells).collect::<Vec<_>>()
     };
-    let quality = |what: &str, unit: &str, of: &dyn Fn(&JointEstimate) -> Option<String>| {
+    let values = names.iter().map(|(name, unit)| {
+        let of = |j: &JointEstimate| {
+            let p = j.parameters.iter().find(|p| p.name == *name);
+            p.and_then(|p| cell(j.joint, p)).unwrap_or_else(|| "-".into())
+        };
+        row(name, unit, result.joints.iter().map(of).collect())
+    });
+    let quality = quality.iter().filter_map(|(what, unit, of)| {
         let cells: Vec<Option<String>> = result.joints.iter().map(of).collect();
         let some = cells.iter().any(Option::is_some);
-        let cells = cells.into_iter().map(Option::unwrap_or_default);
-        some.then(|| [what.into(), unit.into()].into_iter().chain(cells).collect::<Vec<_>>())
-    };
-    let left = |mse: f64| format!("{:.3}", mse.sqrt());
-    let more = [
-        quality("torque left, fit", "N.m", &|j| Some(left(j.fit.mse_nm2))),
-        quality("torque left, check", "N.m", &|j| j.check.map(|c| left(c.mse_nm2))),
-        quality("share explained, fit", "R2", &|j| Some(format!("{:.4}", j.fit.r2))),
-        quality("share explained, check", "R2", &|j| j.check.map(|c| format!("{:.4}", c.r2))),
-    ];
-    table(&header, 2, names.iter().map(row).chain(more.into_iter().flatten()))
+        some.then(|| row(what, unit, cells.into_iter().map(Option::unwrap_or_default).collect()))
+    });
+    table(&header, 2, values.chain(quality))
 }
 
 /// `6.21 +-0.05`, `not determined`
@@ -92,7 +110,7 @@ fn with_unit(p: &ParameterEstimate) -> String {
 const SAME: f64 = 1e-4;
 
 /// Where one method ends above another, in a line.
-fn agreement(results: &[MethodResult]) -> String {
+pub fn agreement(results: &[MethodResult]) -> String {
     let names: Vec<String> = results.iter().map(|r| r.method.to_uppercase()).collect();
     let Some(joints) = results.iter().map(|r| r.joints.len()).min().filter(|_| results.len() > 1)
     else {

@@ -1,6 +1,6 @@
 //! `armtwin identify`: friction and what goes with it, with tests and intervals.
 
-mod brief;
+pub mod brief;
 mod links;
 mod print;
 mod scale;
