@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::effects::{Motion, Scope};
+use crate::effects::{Motion, Scope, Size};
 use crate::recording::Recording;
 use crate::regression::qr::{Qr, unexplained};
 use crate::robot::Robot;
@@ -23,6 +23,8 @@ pub struct Ground {
     pub samples: Samples,
     /// The robot with the loads the twin knows of.
     robot: Robot,
+    /// How large the arm is, its loads aside: the catalogue's ranges go with it.
+    pub size: Size,
     filter: Option<LowPass>,
     /// Rows of each joint that are sliding and usable.
     rows: Vec<Rows>,
@@ -52,6 +54,7 @@ impl Ground {
             left_nm: Vec::new(),
             velocity_left: Vec::new(),
             robot: twin.laden(),
+            size: Size::of(&twin.robot),
             filter,
             samples,
             recording,

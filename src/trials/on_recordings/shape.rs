@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::Ground;
 use super::foreign;
-use crate::effects::{self, Role, Seen};
+use crate::effects::{self, Role, Seen, Size};
 use crate::simulation::Injection;
 use crate::trials::shapes;
 
@@ -44,7 +44,7 @@ pub fn draw(name: &str, [fit, check]: [&Ground; 2], rng: &mut ChaCha8Rng) -> Opt
         }
         None => shapes::shape(name, &ground, &still, rng)?.injection,
     };
-    Some(Shape::new(with_memory(injection, rng)))
+    Some(Shape::new(with_memory(injection, rng), &fit.size))
 }
 
 /// Friction with memory comes on top of the arm's own, its width inside the catalogue's range.
@@ -65,14 +65,14 @@ fn with_memory(mut injection: Injection, rng: &mut ChaCha8Rng) -> Injection {
 }
 
 impl Shape {
-    fn new(injection: Injection) -> Self {
+    fn new(injection: Injection, size: &Size) -> Self {
         let about = injection.effect.about();
         let linear = about.parameters.iter().filter(|p| p.role == Role::Linear).count();
         let by_columns = effects::find(about.name).is_some_and(|e| e.seen() == Seen::Columns);
         let scaled: Vec<usize> = if by_columns { (0..linear).collect() } else { vec![0] };
         let most = |row: &Vec<f64>| {
             let factor = |i: &usize| {
-                let (p, value) = (&about.parameters[*i], row[*i]);
+                let (p, value) = (about.parameters[*i].on(size), row[*i]);
                 let end = if value < 0.0 { p.min } else { p.max };
                 if value == 0.0 { f64::INFINITY } else { INTERIOR * end / value }
             };

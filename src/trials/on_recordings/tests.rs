@@ -9,11 +9,11 @@ use rand_distr::{Distribution, StandardNormal};
 use tempfile::TempDir;
 
 use super::plan::Wanted;
-use super::shape::placed;
+use super::shape::{self, placed};
 use super::{DrawOn, Ground, Planned, Sources, draw_on, graft, size};
-use crate::effects::{CATALOGUE, Seen, find};
+use crate::effects::{CATALOGUE, Seen, Size, find};
 use crate::recording::{Channel, Provenance, Recording, read};
-use crate::robot::inverse_dynamics_series;
+use crate::robot::{builtin, inverse_dynamics_series};
 use crate::series::JointSeries;
 use crate::signals::{Samples, condition};
 use crate::simulation::Injection;
@@ -203,6 +203,20 @@ fn the_whole_catalogue_can_be_grafted() {
         assert_eq!(graft.kind(), Kind::GraftedForeign);
         assert!(graft.strength.reached() > 0.9, "{}", effect.about().name);
     }
+}
+
+/// A joint of a strong arm is never grafted softer than such joints are: nobody could answer it.
+#[test]
+fn no_graft_is_larger_than_the_arm_can_have() {
+    let mut strong = grounds();
+    let size = Size::of(&builtin("ur10e").unwrap());
+    strong.iter_mut().for_each(|ground| ground.size = size);
+    let name = "joint_flexibility";
+    let soft = find(name).unwrap().about().parameters[0].on(&size);
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let largest = shape::draw(name, [&strong[0], &strong[1]], &mut rng).unwrap().sized(1e9);
+    let compliance = largest.values[0][0];
+    assert!(compliance < soft.max && compliance > 0.9 * soft.max, "{compliance} of {}", soft.max);
 }
 
 fn draw(cases: usize, seed: u64, only: &[&str]) -> TempDir {
