@@ -51,11 +51,11 @@ fn standing<'a>(
             continue;
         }
         let standings = search.standings(&fit);
-        if let Some(next) = corrected(search, judge, &fit, &standings, &mut rejected) {
+        if let Some(next) = corrected(search, judge, &fit, &standings, &gains, &mut rejected) {
             fit = next;
             continue;
         }
-        let chosen = |i: &usize| is_chosen(&standings[*i], blind, &search.criteria);
+        let chosen = |i: &usize| is_chosen(&standings[*i], &gains[*i], blind, &search.criteria);
         let law = |i: &usize| {
             gains[*i].needs_replication(fit.model.causes[*i].candidate, &search.criteria)
         };
@@ -70,12 +70,17 @@ fn standing<'a>(
 
 /// Is the cause, or what looks the same, among these? What acts in the whole arm is also there where it
 /// was found at a joint, and the other way round.
-fn is_chosen(standing: &Standing<'_>, blind: &[Candidate], criteria: &Criteria) -> bool {
+fn is_chosen(
+    standing: &Standing<'_>,
+    gain: &Gain,
+    blind: &[Candidate],
+    criteria: &Criteria,
+) -> bool {
     let same = |h: &Hypothesis<'_>, c: &Candidate| {
         let either = c.place == Place::Arm || h.candidate().place == Place::Arm;
         c.name() == h.candidate().name() && (c.place == h.candidate().place || either)
     };
-    let mine = |h: &&Hypothesis<'_>| is_mine(standing, h) || is_equal(standing, h, criteria);
+    let mine = |h: &&Hypothesis<'_>| is_mine(standing, h) || is_equal(standing, gain, h, criteria);
     standing.ranked.iter().filter(mine).any(|h| blind.iter().any(|c| same(h, c)))
 }
 
@@ -86,12 +91,13 @@ fn corrected<'a>(
     judge: &Judge<'_>,
     fit: &Fit<'a>,
     standings: &[Standing<'a>],
+    gains: &[Gain],
     rejected: &mut Vec<Candidate>,
 ) -> Option<Fit<'a>> {
     let criteria = &search.criteria;
     let fails = |i: &usize| {
         let bound = standings[*i].cause().at_bound.is_some() || is_impossible(fit, *i);
-        bound || probability(&standings[*i], criteria) <= 0.5
+        bound || probability(&standings[*i], &gains[*i], criteria) <= 0.5
     };
     let nats = |i: &usize| standings[*i].cause().nats;
     let weakest = (0..standings.len()).filter(fails).min_by(|a, b| nats(a).total_cmp(&nats(b)));

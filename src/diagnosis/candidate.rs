@@ -236,9 +236,12 @@ impl Candidate {
         (0..self.place.each().len()).any(|k| self.effect.is_itself(self.own(linear, k)))
     }
 
-    /// How large the linear values can be expected to be, standard deviations ([`Effect::expected`]).
-    pub fn expected(&self, twin: &Twin) -> Vec<f64> {
-        let each = self.place.each().flat_map(|j| self.effect.expected(&twin.robot, j));
+    /// How large the linear values can be expected to be, standard deviations ([`Effect::expected`]). What a change
+    /// comes to says nothing of how large it all is.
+    pub fn expected(&self, twin: &Twin, nonlinear: &[f64]) -> Vec<f64> {
+        let refers = |k: usize| if self.changes { &[][..] } else { self.own(nonlinear, k) };
+        let sets = self.place.each().enumerate();
+        let each = sets.flat_map(|(k, j)| self.effect.expected(&twin.robot, j, refers(k)));
         each.map(|size| self.spread * size).collect()
     }
 

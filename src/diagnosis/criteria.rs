@@ -46,6 +46,13 @@ impl Criteria {
         nats / (1.0 + self.inexact * nats.abs())
     }
 
+    /// How far behind `nats` another name may be and still be told in the same breath, nats: the odds that tell
+    /// nothing; where no law is exact, also as much as a law may be wrong by.
+    pub fn margin(&self, nats: f64, exact: bool) -> f64 {
+        let wrong_by = if exact { 0.0 } else { self.least_gain_inexact * nats };
+        self.equal_odds.ln().max(wrong_by)
+    }
+
     /// Probabilities in proportion to trusted evidence, nats over one and the same state.
     pub fn probabilities(&self, nats: &[f64]) -> Vec<f64> {
         let trusted: Vec<f64> = nats.iter().map(|n| self.trusted(*n)).collect();

@@ -294,7 +294,7 @@ fn priors(data: &Data<'_>, model: &Model, columns: &[Raw]) -> Vec<f64> {
         let (own, others) = rest.split_at(term.candidate.linear());
         all.extend(match term.free {
             true => vec![f64::INFINITY; own.len()],
-            false => expected(data, term.candidate, own),
+            false => expected(data, term.candidate, &term.nonlinear, own),
         });
         rest = others;
     }
@@ -304,8 +304,13 @@ fn priors(data: &Data<'_>, model: &Model, columns: &[Raw]) -> Vec<f64> {
 /// How large the linear parameters of a candidate with these columns are expected to be, standard
 /// deviations: as its effect says; where it does not, as gives the torque that effects are expected to have, at the
 /// joint where that is reached first.
-pub fn expected(data: &Data<'_>, candidate: Candidate, columns: &[Raw]) -> Vec<f64> {
-    let known = candidate.expected(data.twin);
+pub fn expected(
+    data: &Data<'_>,
+    candidate: Candidate,
+    nonlinear: &[f64],
+    columns: &[Raw],
+) -> Vec<f64> {
+    let known = candidate.expected(data.twin, nonlinear);
     let of = |column: &Raw| {
         let relative = |j: usize| match column.rows.touches(j) {
             true => {

@@ -57,10 +57,13 @@ impl<'a> Standing<'a> {
     /// Beside the discrepancy that it leaves or that the cause leaves: a narrow expectation enlarges it.
     pub fn shown(&self, h: &Hypothesis<'a>) -> f64 {
         let term = Term { free: true, ..h.trial.term() };
+        let about = term.candidate.effect.about();
         let last = h.fit.model.causes.len() - 1;
         let linear = h.fit.model.range(last).zip(&term.held).filter(|(_, held)| !**held);
         let told: f64 = linear.map(|(i, _)| h.fit.system.determined(i)).sum();
-        let values = told + term.searched.len() as f64;
+        let of = |i: &&usize| &about.parameters[term.candidate.linear() + **i];
+        let searched = term.searched.iter().filter(|i| !of(i).is_reference()).count();
+        let values = told + searched as f64;
         let data = self.without.data;
         let all = |fit: &Fit<'a>| (0..data.joints()).map(|j| fit.ln_likelihood(j)).sum::<f64>();
         let own = Fit::new(data, self.without.model.with(term), h.fit.sizes.clone());
@@ -142,14 +145,14 @@ impl<'a> Hypotheses<'a> {
         let top = ranked.iter().map(|h| h.nats).fold(f64::NEG_INFINITY, f64::max);
         let refined = |(h, s): (&mut Hypothesis<'a>, &Screened)| {
             let promising = h.nats > 0.0 && is_near(h.nats, top);
-            // References follow at little cost.
+            // References follow at little cost, and columns are right where they have followed alone.
             let follows = h.trial.searched().is_empty();
             if h.trial.starts[0].is_empty() || !(promising || follows) {
                 return;
             }
             let beside = state.clone().beside(s.sizes.clone());
             let better = self.adopted(state, &beside, refine::refine(&beside, &h.trial));
-            if better.nats > h.nats {
+            if follows || better.nats > h.nats {
                 *h = better;
             }
         };

@@ -139,6 +139,23 @@ mod tests {
         assert_eq!(found.causes[0].effect, "payload");
     }
 
+    /// A light load has little inertia, which costs it nothing: it is named, though the last links may be heavier.
+    #[test]
+    fn a_light_load_is_named() {
+        let mut arm = Twin::default();
+        arm.effects.push("payload".into());
+        let values = [("mass", 0.15), ("moment_x", 0.0), ("moment_y", 0.0), ("moment_z", 0.012)];
+        for (name, value) in values {
+            arm.values.insert(format!("payload_{name}"), vec![value]);
+        }
+        let found = diagnosed(&arm);
+        let [cause] = &found.causes[..] else { panic!("{:?}", found.causes) };
+        let equals = cause.equivalent.iter().map(|e| e.effect.as_str());
+        assert!(equals.chain([cause.effect.as_str()]).any(|e| e == "payload"), "{cause:?}");
+        let mass = cause.parameters.iter().find(|v| v.name.ends_with("_mass")).unwrap();
+        assert!(mass.low < 0.15 && 0.15 < mass.high, "{mass:?}");
+    }
+
     /// A long tool is no point at its centre: its inertia is a value of the load, and no link is called heavier
     /// beside it.
     #[test]
@@ -177,8 +194,8 @@ mod tests {
         let one = Candidate::new(all.effect, Place::Joint(2));
         assert_eq!(all.linear(), 24);
         assert_eq!(
-            all.expected(&twin)[8..12],
-            one.expected(&twin).iter().map(|s| 3.0 * s).collect::<Vec<_>>()
+            all.expected(&twin, &[0.0; 24])[8..12],
+            one.expected(&twin, &[0.0; 4]).iter().map(|s| 3.0 * s).collect::<Vec<_>>()
         );
         let named: Vec<_> = all.parameters().map(|(p, joint)| (p.name, joint)).collect();
         assert_eq!(named[9], ("link_moment_x", Some(2)));

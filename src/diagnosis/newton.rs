@@ -5,8 +5,8 @@
 //! parameters are solved for together with small changes of the nonlinear ones, whose columns are
 //! their slopes (Golub, Pereyra, "Separable nonlinear least squares", Inverse Problems 19, 2003).
 
-use super::fit::Fit;
-use super::trial::{Trial, evaluate, linear_bounds, neighbours, priors, settled};
+use super::fit::{Fit, expected};
+use super::trial::{Trial, evaluate, linear_bounds, neighbours, settled};
 use crate::regression::Column;
 use crate::regression::bounds::Bounds;
 
@@ -38,7 +38,7 @@ pub fn descend(fit: &Fit<'_>, mut best: Trial) -> Trial {
 fn step(fit: &Fit<'_>, best: &Trial, free: &[usize]) -> Option<Trial> {
     let ends: Vec<[f64; 2]> = free.iter().map(|&i| neighbours(best, i, fit.data.twin)).collect();
     let raw = fit.raw(best.candidate, &best.nonlinear);
-    let mut expected = priors(fit, best.candidate, &raw);
+    let mut expected = expected(fit.data, best.candidate, &best.nonlinear, &raw);
     let mut columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &fit.metric)).collect();
     columns.extend(free.iter().zip(&ends).map(|(&i, ends)| slope(fit, best, i, *ends)));
     expected.resize(columns.len(), f64::INFINITY);

@@ -75,7 +75,7 @@ fn offered<'a>(
 fn near(search: &Hypotheses<'_>, standing: &Standing<'_>) -> Vec<(Term, Change)> {
     let criteria = &search.criteria;
     let cause = standing.cause().nats;
-    let least = cause - (criteria.least_gain_inexact * cause).max(criteria.equal_odds.ln());
+    let least = cause - criteria.margin(cause, false);
     let usable = standing.ranked.iter().filter(|h| h.at_bound.is_none() && h.nats > least.max(0.0));
     usable.filter_map(|h| changes(&h.fit).pop()).collect()
 }

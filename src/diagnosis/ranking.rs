@@ -29,10 +29,10 @@ pub fn replicated(probability: f64, candidate: Candidate, gain: &Gain, criteria:
 }
 
 /// Probability that a cause is there: it or what looks the same, beside its other rivals and none of them.
-pub fn probability(standing: &Standing<'_>, criteria: &Criteria) -> f64 {
+pub fn probability(standing: &Standing<'_>, gain: &Gain, criteria: &Criteria) -> f64 {
     let shares = shares(standing, criteria);
     let usable = standing.ranked.iter().filter(|h| h.at_bound.is_none());
-    let set = |h: &Hypothesis<'_>| is_mine(standing, h) || is_equal(standing, h, criteria);
+    let set = |h: &Hypothesis<'_>| is_mine(standing, h) || is_equal(standing, gain, h, criteria);
     usable.zip(shares).filter(|(h, _)| set(h)).map(|(_, share)| share).sum()
 }
 
@@ -40,12 +40,18 @@ pub fn is_mine(standing: &Standing<'_>, h: &Hypothesis<'_>) -> bool {
     h.candidate() == standing.cause().candidate()
 }
 
-/// Does it do as well, within the odds that tell nothing, by all that is known or by the data alone? A
+/// Does it do as well, within what tells nothing ([`Criteria::margin`]), by all that is known or by the data alone? A
 /// heavier last link is less expected than a payload, and looks the same.
-pub fn is_equal(standing: &Standing<'_>, h: &Hypothesis<'_>, criteria: &Criteria) -> bool {
+pub fn is_equal(
+    standing: &Standing<'_>,
+    gain: &Gain,
+    h: &Hypothesis<'_>,
+    criteria: &Criteria,
+) -> bool {
     let mine = standing.cause();
+    let exact = !gain.needs_replication(mine.candidate(), criteria);
     let trusted = |h: &Hypothesis<'_>| criteria.trusted(h.nats);
-    let near = |mine: f64, other: f64| mine - other < criteria.equal_odds.ln();
+    let near = |mine: f64, other: f64| mine - other < criteria.margin(mine, exact);
     let as_well =
         || near(trusted(mine), trusted(h)) || near(standing.shown(mine), standing.shown(h));
     !is_mine(standing, h) && h.at_bound.is_none() && h.nats > 0.0 && as_well()
@@ -59,8 +65,8 @@ fn shares(standing: &Standing<'_>, criteria: &Criteria) -> Vec<f64> {
 }
 
 /// What looks the same as a cause.
-pub fn equivalents(standing: &Standing<'_>, criteria: &Criteria) -> Vec<Named> {
-    let others = standing.ranked.iter().filter(|h| is_equal(standing, h, criteria));
+pub fn equivalents(standing: &Standing<'_>, gain: &Gain, criteria: &Criteria) -> Vec<Named> {
+    let others = standing.ranked.iter().filter(|h| is_equal(standing, gain, h, criteria));
     others.map(|h| named(h.candidate())).collect()
 }
 

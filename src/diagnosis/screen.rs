@@ -8,8 +8,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::fit::Fit;
-use super::trial::{Trial, linear_bounds, priors};
+use super::fit::{Fit, expected};
+use super::trial::{Trial, linear_bounds};
 use super::{slopes, windows};
 use crate::regression::bounds::Bounds;
 use crate::regression::random_effects::Metric;
@@ -86,7 +86,7 @@ fn best_start(fit: &Fit<'_>, frames: &[Frame], candidate: Candidate) -> Screened
             true => Arc::new(vec![slopes::of_sensor(fit, candidate, nonlinear)]),
             false => fit.raw_kept(candidate, nonlinear),
         };
-        let priors = priors(fit, candidate, &raw);
+        let priors = expected(fit.data, candidate, nonlinear, &raw);
         for frame in frames {
             let added = frame.add(fit, candidate, &raw, &priors);
             let gain = added.likelihood - added.projected.narrowing(&priors);

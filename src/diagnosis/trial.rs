@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::candidate::{Candidate, Term};
 use super::fit::{Fit, expected};
-use crate::regression::{Column, Raw, bounds::Bounds};
+use crate::regression::{Column, bounds::Bounds};
 use crate::twin::Twin;
 
 /// Share of the distance between starts: a value that is closer to a start has hardly left it.
@@ -67,11 +67,6 @@ pub fn linear_bounds(candidate: Candidate, twin: &Twin) -> Bounds {
     Bounds::new(lower, upper).unwrap_or_else(|_| Bounds::unbounded(candidate.linear()))
 }
 
-/// What is expected of the linear parameters, standard deviations.
-pub fn priors(fit: &Fit<'_>, candidate: Candidate, columns: &[Raw]) -> Vec<f64> {
-    expected(fit.data, candidate, columns)
-}
-
 /// The trial at other nonlinear parameters.
 pub fn evaluate(fit: &Fit<'_>, trial: &Trial, nonlinear: Vec<f64>) -> Trial {
     let at = Trial { nonlinear, ..trial.clone() };
@@ -84,7 +79,8 @@ pub fn evaluate(fit: &Fit<'_>, trial: &Trial, nonlinear: Vec<f64>) -> Trial {
 fn with_columns(fit: &Fit<'_>, at: Trial) -> Trial {
     let raw = fit.raw(at.candidate, &at.nonlinear);
     let columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &fit.metric)).collect();
-    let projected = fit.system.project(&columns, &priors(fit, at.candidate, &raw));
+    let priors = expected(fit.data, at.candidate, &at.nonlinear, &raw);
+    let projected = fit.system.project(&columns, &priors);
     let (linear, gain) = projected.solve(&linear_bounds(at.candidate, fit.data.twin));
     Trial { linear: linear.as_slice().to_vec(), gain, most: most(fit, &columns), ..at }
 }

@@ -165,7 +165,7 @@ impl<'a> Findings<'a> {
             probability: self.probability(i),
             equivalent: match &self.equals {
                 Some(equals) => equals[i].iter().copied().map(named).collect(),
-                None => ranking::equivalents(standing, self.criteria()),
+                None => ranking::equivalents(standing, &self.gains[i], self.criteria()),
             },
             parameters,
             shrink: self.gains[i].shrink,
@@ -183,7 +183,7 @@ impl<'a> Findings<'a> {
     fn probability(&self, i: usize) -> f64 {
         let probability = match self.equals {
             Some(_) => SURE,
-            None => ranking::probability(&self.standings[i], self.criteria()),
+            None => ranking::probability(&self.standings[i], &self.gains[i], self.criteria()),
         };
         let candidate = self.last.model.causes[i].candidate;
         ranking::replicated(probability, candidate, &self.gains[i], self.criteria())

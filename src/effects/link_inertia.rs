@@ -55,7 +55,7 @@ impl Effect for LinkInertia {
         (0..4).map(|i| weighted_sum(&body, &per_unit(inertia.com, new.com, i))).collect()
     }
 
-    fn expected(&self, robot: &Robot, joint: usize) -> Vec<f64> {
+    fn expected(&self, robot: &Robot, joint: usize, _: &[f64]) -> Vec<f64> {
         let inertia = &robot.bodies[joint].inertia;
         let moment = inertia.mass * (CENTRE_ERROR_M + MASS_ERROR * inertia.com.norm());
         vec![MASS_ERROR * inertia.mass, moment, moment, moment]

@@ -97,7 +97,7 @@ pub fn expected_of_arm(robot: &Robot, parameter: &str) -> Option<f64> {
     let place = |e: &&dyn Effect| e.about().parameters.iter().position(|p| p.name == parameter);
     let of_arm = CATALOGUE.iter().copied().filter(|e| e.about().scope == Scope::Arm);
     let (effect, i) = of_arm.into_iter().find_map(|e| Some((e, place(&e)?)))?;
-    effect.expected(robot, 0).get(i).copied().filter(|size| size.is_finite())
+    effect.expected(robot, 0, &[]).get(i).copied().filter(|size| size.is_finite())
 }
 
 /// What a parameter is; data, so that command line, docs, scenario keys and tests follow from it.
@@ -337,8 +337,9 @@ pub trait Effect: Sync {
     fn keep_physical(&self, _values: &mut [f64]) {}
 
     /// Explain: how large the linear parameters at `joint` can be expected to be, standard
-    /// deviations, infinite for those of which nothing is known beforehand; empty where that is all.
-    fn expected(&self, _robot: &Robot, _joint: usize) -> Vec<f64> {
+    /// deviations, infinite for those of which nothing is known beforehand; empty where that is all. `nonlinear` may
+    /// refer to what was fitted before; empty where there is nothing to refer to.
+    fn expected(&self, _robot: &Robot, _joint: usize, _nonlinear: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 

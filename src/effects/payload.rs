@@ -40,9 +40,10 @@ static ABOUT: About = About {
         inertia("payload_inertia_xy", "Ixy", 0.0),
         inertia("payload_inertia_xz", "Ixz", 0.0),
         inertia("payload_inertia_yz", "Iyz", 0.0),
-        reference("payload_x_reference", "rx"),
-        reference("payload_y_reference", "ry"),
-        reference("payload_z_reference", "rz"),
+        reference("payload_x_reference", "rx", "m", 5.0),
+        reference("payload_y_reference", "ry", "m", 5.0),
+        reference("payload_z_reference", "rz", "m", 5.0),
+        reference("payload_m_reference", "m0", "kg", 15.0),
     ],
     memory: 0,
     dissipates: false,
@@ -60,7 +61,7 @@ impl Effect for Payload {
         &ABOUT
     }
 
-    /// One: gravity alone tells the centre well enough to settle on it.
+    /// One: gravity alone tells mass and centre well enough to settle on them.
     fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {
         starts::grid(ABOUT.parameters, &[])
     }
@@ -69,10 +70,14 @@ impl Effect for Payload {
         &CENTRE
     }
 
-    /// What is expected of the inertia alone.
-    fn expected(&self, robot: &Robot, _: usize) -> Vec<f64> {
-        let inertia = SHARE_OF_MASS * robot.mass() * (SHARE_OF_REACH * robot.reach()).powi(2);
-        [[f64::INFINITY; 4].as_slice(), &[inertia; 6]].concat()
+    /// First moments and inertia of a load that has the mass m0 and is as long as tools are; before there is such
+    /// a mass, the inertia of one that is as heavy as tools are.
+    fn expected(&self, robot: &Robot, _: usize, reference: &[f64]) -> Vec<f64> {
+        let length = TOOL_LENGTH * robot.reach();
+        let found = reference.get(MASS_REFERENCE).copied().filter(|m| *m > LIGHTEST_KG);
+        let moment = found.map_or(f64::INFINITY, |m| m * 0.5 * length);
+        let inertia = found.unwrap_or(TOOL_MASS * robot.mass()) * length.powi(2) / 12.0;
+        [[f64::INFINITY].as_slice(), &[moment; 3], &[inertia; 6]].concat()
     }
 
     fn keep_physical(&self, values: &mut [f64]) {
@@ -84,8 +89,10 @@ impl Effect for Payload {
     fn settle(&self, linear: &[f64], nonlinear: &mut [f64]) {
         if linear[0] > LIGHTEST_KG {
             let references = ABOUT.parameters.iter().filter(|p| p.is_reference());
-            for ((r, moment), p) in nonlinear.iter_mut().zip(&linear[MOMENT]).zip(references) {
-                *r = p.clamp(moment / linear[0]);
+            let centre = linear[MOMENT].iter().map(|moment| moment / linear[0]);
+            let found = centre.chain([linear[0]]);
+            for ((r, found), p) in nonlinear.iter_mut().zip(found).zip(references) {
+                *r = p.clamp(found);
             }
         }
     }
@@ -95,7 +102,7 @@ impl Effect for Payload {
         let Some(last) = robot.dof().checked_sub(1) else { return vec![] };
         let body = motion.regressor(last);
         let combine = |p: [f64; 10]| weighted_sum(&body, &p);
-        let reference = Vector3::from_column_slice(reference);
+        let reference = Vector3::from_column_slice(&reference[..3]);
         let point = flange_parameters(&robot.flange, reference);
         point.into_iter().chain(rotational(&robot.flange)).map(combine).collect()
     }
@@ -139,15 +146,21 @@ const fn inertia(name: &'static str, symbol: &'static str, typical: f64) -> Para
     Parameter { name, symbol, unit: "kg.m2", min: -1.0, max: 1.0, typical, null: 0.0, role }
 }
 
-/// m
-const fn reference(name: &'static str, symbol: &'static str) -> Parameter {
+const fn reference(
+    name: &'static str,
+    symbol: &'static str,
+    unit: &'static str,
+    max: f64,
+) -> Parameter {
     let (role, null) = (Role::Nonlinear, f64::NAN);
-    Parameter { name, symbol, unit: "m", min: -5.0, max: 5.0, typical: 0.0, null, role }
+    Parameter { name, symbol, unit, min: -max, max, typical: 0.0, null, role }
 }
 
 /// Places of the first moments and of the inertia among the values.
 const MOMENT: Range<usize> = 1..4;
 const INERTIA: Range<usize> = 4..10;
+/// Place of m0 among the references.
+const MASS_REFERENCE: usize = 3;
 
 const CENTRE: [Ratio; 3] = [
     centre("payload_centre_x", "payload_moment_x"),
@@ -159,10 +172,9 @@ const fn centre(name: &'static str, of: &'static str) -> Ratio {
     Ratio { name, unit: "m", of, over: "payload_mass" }
 }
 
-/// How large a load can be expected to be, relative to the arm's mass; and its radius of gyration relative to the
-/// arm's reach, that of a rod a third as long.
-const SHARE_OF_MASS: f64 = 0.1;
-const SHARE_OF_REACH: f64 = 0.1;
+/// How large a load can be expected to be: as heavy as a tenth of the arm, and a rod a third as long as its reach.
+const TOOL_MASS: f64 = 0.1;
+const TOOL_LENGTH: f64 = 1.0 / 3.0;
 
 /// From xx, yy, zz, xy, xz, yz.
 fn symmetric(i: &[f64]) -> Matrix3<f64> {
@@ -225,6 +237,21 @@ fn weighted_sum(columns: &[JointSeries; 10], weights: &[f64; 10]) -> JointSeries
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Twice as heavy, twice the moments and inertia; before a mass is found, those of a tenth of the arm.
+    #[test]
+    fn what_is_expected_of_a_load_follows_its_mass() {
+        let robot = crate::robot::builtin("ur5").unwrap();
+        let of = |reference: &[f64]| Payload.expected(&robot, 0, reference);
+        let (light, heavy) = (of(&[0.0, 0.0, 0.0, 0.5]), of(&[0.0, 0.0, 0.0, 1.0]));
+        let usual = of(&[]);
+        for i in MOMENT.start..INERTIA.end {
+            assert!((heavy[i] / light[i] - 2.0).abs() < 1e-12, "{i}: {heavy:?}");
+        }
+        assert!(light[0].is_infinite() && usual[..MOMENT.end].iter().all(|s| s.is_infinite()));
+        let tool = of(&[0.0, 0.0, 0.0, TOOL_MASS * robot.mass()]);
+        assert_eq!(usual[INERTIA], tool[INERTIA]);
+    }
 
     /// A thin plate has the largest moment that the two others allow; more is taken back to it, and what
     /// is possible stays.

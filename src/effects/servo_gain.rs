@@ -47,7 +47,7 @@ impl Effect for ServoGain {
         vec![both.map(|(pull, slope)| if *slope > 0.0 { -pull } else { 0.0 }).collect()]
     }
 
-    fn expected(&self, _: &crate::robot::Robot, _: usize) -> Vec<f64> {
+    fn expected(&self, _: &crate::robot::Robot, _: usize, _: &[f64]) -> Vec<f64> {
         vec![EXPECTED]
     }
 

@@ -49,7 +49,7 @@ impl Effect for TorqueConstant {
         vec![motion.drive_torque().joint(joint).to_vec()]
     }
 
-    fn expected(&self, _: &Robot, _: usize) -> Vec<f64> {
+    fn expected(&self, _: &Robot, _: usize, _: &[f64]) -> Vec<f64> {
         vec![DATA_SHEET_ERROR]
     }
 

@@ -77,7 +77,7 @@ impl Effect for TorqueRipple {
         vec![wave(f64::sin), wave(f64::cos)]
     }
 
-    fn expected(&self, _: &Robot, _: usize) -> Vec<f64> {
+    fn expected(&self, _: &Robot, _: usize, _: &[f64]) -> Vec<f64> {
         vec![USUAL_NM, USUAL_NM]
     }
 

@@ -158,7 +158,7 @@ fn lists(series: &JointSeries, felt: impl Fn(usize) -> bool) -> Column {
 /// What CAD is commonly wrong by, of each of the ten.
 fn link_sizes(robot: &Robot, link: usize) -> [f64; parameters::PER_LINK] {
     let inertia = INERTIA_ERROR * robot.bodies[link].inertia.about_origin().trace() / 3.0;
-    let known = find("link_inertia").map_or(Vec::new(), |e| e.expected(robot, link));
+    let known = find("link_inertia").map_or(Vec::new(), |e| e.expected(robot, link, &[]));
     let at = |i: usize| known.get(i).copied().filter(|x| *x > 0.0).unwrap_or(LEAST_INERTIA);
     std::array::from_fn(|i| if i < 4 { at(i) } else { inertia.max(LEAST_INERTIA) })
 }
@@ -170,7 +170,7 @@ fn effect_sizes(
     robot: &Robot,
     joint: usize,
 ) -> Vec<f64> {
-    let expected = effect.expected(robot, joint);
+    let expected = effect.expected(robot, joint, &[]);
     let expected = |i: usize| expected.get(i).copied().filter(|x| x.is_finite() && *x > 0.0);
     let like = |p: &Parameter| {
         let same = linear.iter().filter(|o| o.unit == p.unit).map(|o| o.typical.abs());

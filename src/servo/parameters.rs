@@ -29,7 +29,7 @@ impl Free {
     pub fn near_start(self, robot: &Robot) -> Self {
         let place =
             self.effect.about().parameters.iter().position(|p| p.name == self.parameter.name);
-        let expected = self.effect.expected(robot, self.joint.unwrap_or(0));
+        let expected = self.effect.expected(robot, self.joint.unwrap_or(0), &[]);
         let expected = place.and_then(|i| expected.get(i).copied()).filter(|s| s.is_finite());
         let usual = match self.parameter.on(&Size::of(robot)).typical.abs() {
             0.0 => self.max - self.min,
