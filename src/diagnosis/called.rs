@@ -19,26 +19,18 @@ pub struct Called<'a> {
     pub equals: Option<Vec<Vec<Candidate>>>,
 }
 
-/// What stands of the search of both recordings.
+/// What stands of the search of both recordings: causes that are more probable than not, gain on the check
+/// recording, and sit at no bound. What does not is left out, the weakest first, and the others are seen again
+/// without it. Where the law is not exact, `blind`, the search of the fit recording alone, has to find the cause
+/// too.
 pub fn called<'a>(
     search: &Hypotheses<'a>,
     judge: &Judge<'_>,
     found: &Found<'a>,
     blind: &Found<'_>,
 ) -> Called<'a> {
-    let confirming: Vec<Candidate> = blind.last.model.causes.iter().map(|t| t.candidate).collect();
-    standing(search, judge, found.last.clone(), &confirming)
-}
-
-/// Causes that are more probable than not, gain on the check recording, and sit at no bound: what does not is
-/// left out, the weakest first, and the others are seen again without it. Where the law is not exact, `blind` has
-/// to hold the cause too.
-fn standing<'a>(
-    search: &Hypotheses<'a>,
-    judge: &Judge<'_>,
-    mut fit: Fit<'a>,
-    blind: &[Candidate],
-) -> Called<'a> {
+    let blind: Vec<Candidate> = blind.last.model.causes.iter().map(|t| t.candidate).collect();
+    let mut fit = found.last.clone();
     let (mut rejected, mut unconfirmed) = (Vec::new(), Vec::new());
     loop {
         // What costs least to see comes first.
@@ -55,7 +47,7 @@ fn standing<'a>(
             fit = next;
             continue;
         }
-        let chosen = |i: &usize| is_chosen(&standings[*i], &gains[*i], blind, &search.criteria);
+        let chosen = |i: &usize| is_chosen(&standings[*i], &gains[*i], &blind, &search.criteria);
         let law = |i: &usize| {
             gains[*i].needs_replication(fit.model.causes[*i].candidate, &search.criteria)
         };

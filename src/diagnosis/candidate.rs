@@ -118,6 +118,14 @@ impl Term {
         (self.starts.max(1) as f64).ln()
     }
 
+    /// The nonlinear parameters that were searched and say what the effect is like, not where columns are worked
+    /// out.
+    pub fn shapes(&self) -> impl Iterator<Item = usize> {
+        let nonlinear = self.candidate.parameters().filter(|(p, _)| p.role == Role::Nonlinear);
+        let reference: Vec<bool> = nonlinear.map(|(p, _)| p.is_reference()).collect();
+        self.searched.iter().copied().filter(move |k| !reference[*k])
+    }
+
     /// The columns of those parameters that are not held.
     pub fn series(&self, motion: &Motion<'_>, recording: usize) -> Vec<Vec<Vec<f64>>> {
         let mut columns = self.candidate.series(motion, &self.nonlinear, recording);

@@ -57,13 +57,10 @@ impl<'a> Standing<'a> {
     /// Beside the discrepancy that it leaves or that the cause leaves: a narrow expectation enlarges it.
     pub fn shown(&self, h: &Hypothesis<'a>) -> f64 {
         let term = Term { free: true, ..h.trial.term() };
-        let about = term.candidate.effect.about();
         let last = h.fit.model.causes.len() - 1;
         let linear = h.fit.model.range(last).zip(&term.held).filter(|(_, held)| !**held);
         let told: f64 = linear.map(|(i, _)| h.fit.system.determined(i)).sum();
-        let of = |i: &&usize| &about.parameters[term.candidate.linear() + **i];
-        let searched = term.searched.iter().filter(|i| !of(i).is_reference()).count();
-        let values = told + searched as f64;
+        let values = told + term.shapes().count() as f64;
         let data = self.without.data;
         let all = |fit: &Fit<'a>| (0..data.joints()).map(|j| fit.ln_likelihood(j)).sum::<f64>();
         let own = Fit::new(data, self.without.model.with(term), h.fit.sizes.clone());

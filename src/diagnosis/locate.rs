@@ -13,7 +13,7 @@ use super::refine;
 use super::screen::screen;
 use super::trial;
 use super::{DiagnosisError, Settings};
-use crate::effects::{Effect, Role, Scope};
+use crate::effects::{Effect, Scope};
 use crate::follow::{Watch, stoppable};
 use crate::identification::{Located, Terms};
 use crate::signals::Samples;
@@ -147,15 +147,12 @@ fn located(candidate: &Candidate, starts: Vec<Vec<f64>>, model: &Model) -> Locat
     let Candidate { effect, place, .. } = *candidate;
     let found: Option<&Term> = model.causes.iter().find(|t| t.candidate == *candidate);
     let shown = found.filter(|t| effect.is_itself(&t.linear));
-    let parameters = effect.about().parameters.iter().filter(|p| p.role == Role::Nonlinear);
-    let is_reference: Vec<bool> = parameters.map(|p| p.is_reference()).collect();
     Located {
         effect,
         joint: if let Place::Joint(j) = place { j } else { 0 },
         linear: shown.map_or(vec![0.0; candidate.linear()], |t| t.linear.clone()),
         nonlinear: found.map_or(starts[0].clone(), |t| t.nonlinear.clone()),
-        open: shown
-            .map_or(vec![], |t| t.searched.iter().copied().filter(|k| !is_reference[*k]).collect()),
+        open: shown.map_or(vec![], |t| t.shapes().collect()),
         starts: starts.len(),
     }
 }

@@ -35,8 +35,8 @@ static ABOUT: About = About {
             null: 0.0,
             role: Role::Linear,
         },
-        reference("tilt_x_reference", "rx0"),
-        reference("tilt_y_reference", "ry0"),
+        Parameter::reference("tilt_x_reference", "rx0", "rad", 0.5),
+        Parameter::reference("tilt_y_reference", "ry0", "rad", 0.5),
     ],
     memory: 0,
     dissipates: false,
@@ -44,11 +44,6 @@ static ABOUT: About = About {
     remedy: "level the base, or turn the gravity vector of the simulator",
     source: "Siciliano et al., Robotics: Modelling, Planning and Control, 2009, section 7.3.2: gravity enters as base acceleration",
 };
-
-const fn reference(name: &'static str, symbol: &'static str) -> Parameter {
-    let (role, null) = (Role::Nonlinear, f64::NAN);
-    Parameter { name, symbol, unit: "rad", min: -0.5, max: 0.5, typical: 0.0, null, role }
-}
 
 impl Effect for BaseTilt {
     fn about(&self) -> &'static About {

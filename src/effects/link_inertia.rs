@@ -31,10 +31,10 @@ static ABOUT: About = About {
         moment("link_moment_x", "d(m cx)"),
         moment("link_moment_y", "d(m cy)"),
         moment("link_moment_z", "d(m cz)"),
-        reference("link_mass_reference", "dm0", "kg", 5.0),
-        reference("link_x_reference", "dhx0", "kg.m", 2.0),
-        reference("link_y_reference", "dhy0", "kg.m", 2.0),
-        reference("link_z_reference", "dhz0", "kg.m", 2.0),
+        Parameter::reference("link_mass_reference", "dm0", "kg", 5.0),
+        Parameter::reference("link_x_reference", "dhx0", "kg.m", 2.0),
+        Parameter::reference("link_y_reference", "dhy0", "kg.m", 2.0),
+        Parameter::reference("link_z_reference", "dhz0", "kg.m", 2.0),
     ],
     memory: 0,
     dissipates: false,
@@ -93,16 +93,6 @@ fn changed(inertia: &Inertia, by: &[f64]) -> Option<Inertia> {
 const fn moment(name: &'static str, symbol: &'static str) -> Parameter {
     let role = Role::Linear;
     Parameter { name, symbol, unit: "kg.m", min: -2.0, max: 2.0, typical: 0.05, null: 0.0, role }
-}
-
-const fn reference(
-    name: &'static str,
-    symbol: &'static str,
-    unit: &'static str,
-    max: f64,
-) -> Parameter {
-    let (role, null) = (Role::Nonlinear, f64::NAN);
-    Parameter { name, symbol, unit, min: -max, max, typical: 0.0, null, role }
 }
 
 /// What data sheets and CAD are commonly wrong by: of a mass, and of its centre, m.

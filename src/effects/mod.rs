@@ -119,6 +119,18 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    /// A reference of either sign, in `unit` and no larger than `max`; a search begins at none. Its name ends with
+    /// `_reference`.
+    pub const fn reference(
+        name: &'static str,
+        symbol: &'static str,
+        unit: &'static str,
+        max: f64,
+    ) -> Self {
+        let (role, null) = (Role::Nonlinear, f64::NAN);
+        Self { name, symbol, unit, min: -max, max, typical: 0.0, null, role }
+    }
+
     /// Does it say where columns are worked out, not what the arm is like? It then follows from the linear
     /// parameters ([`Effect::settle`]).
     pub fn is_reference(&self) -> bool {

@@ -40,10 +40,10 @@ static ABOUT: About = About {
         inertia("payload_inertia_xy", "Ixy", 0.0),
         inertia("payload_inertia_xz", "Ixz", 0.0),
         inertia("payload_inertia_yz", "Iyz", 0.0),
-        reference("payload_x_reference", "rx", "m", 5.0),
-        reference("payload_y_reference", "ry", "m", 5.0),
-        reference("payload_z_reference", "rz", "m", 5.0),
-        reference("payload_m_reference", "m0", "kg", 15.0),
+        Parameter::reference("payload_x_reference", "rx", "m", 5.0),
+        Parameter::reference("payload_y_reference", "ry", "m", 5.0),
+        Parameter::reference("payload_z_reference", "rz", "m", 5.0),
+        Parameter::reference("payload_m_reference", "m0", "kg", 15.0),
     ],
     memory: 0,
     dissipates: false,
@@ -144,16 +144,6 @@ const fn moment(name: &'static str, symbol: &'static str, typical: f64) -> Param
 const fn inertia(name: &'static str, symbol: &'static str, typical: f64) -> Parameter {
     let role = Role::Linear;
     Parameter { name, symbol, unit: "kg.m2", min: -1.0, max: 1.0, typical, null: 0.0, role }
-}
-
-const fn reference(
-    name: &'static str,
-    symbol: &'static str,
-    unit: &'static str,
-    max: f64,
-) -> Parameter {
-    let (role, null) = (Role::Nonlinear, f64::NAN);
-    Parameter { name, symbol, unit, min: -max, max, typical: 0.0, null, role }
 }
 
 /// Places of the first moments and of the inertia among the values.

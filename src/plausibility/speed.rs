@@ -46,8 +46,11 @@ pub fn doubts(recording: &Recording, time_scale: f64) -> Vec<Doubt> {
     let Some(changes) = changes(recording, time_scale) else { return Vec::new() };
     let own: Vec<(usize, Agreement)> =
         (0..changes.position.len()).filter_map(|j| Some((j, changes.agreement(j, j)?))).collect();
-    let alike = alike(own.iter().map(|(_, a)| a));
-    let off = |a: &Agreement| alike || !(1.0 / FACTOR..FACTOR).contains(&a.slope.abs());
+    let common = common_factor(&own);
+    let off = |a: &Agreement| {
+        let slope = a.slope.abs();
+        common.is_some_and(|common| near(slope, common)) || !(1.0 / FACTOR..FACTOR).contains(&slope)
+    };
     let agrees = |a: &Agreement| a.correlation.abs() >= AGREES;
     let of = |test: &dyn Fn(&Agreement) -> bool| -> Vec<(usize, Agreement)> {
         own.iter().copied().filter(|(_, a)| test(a)).collect()
@@ -72,12 +75,14 @@ fn median(slopes: &mut [f64]) -> Option<f64> {
     slopes.get(slopes.len() / 2).copied()
 }
 
-/// Is velocity one and the same factor off at several joints? A gear or gripper of one joint has no part in that.
-fn alike<'a>(own: impl Iterator<Item = &'a Agreement>) -> bool {
-    let told = own.filter(|a| a.correlation.abs() >= AGREES);
-    let mut slopes: Vec<f64> = told.map(|a| a.slope.abs()).collect();
-    let common = median(&mut slopes).filter(|common| !near(*common, 1.0));
-    slopes.len() > 1 && common.is_some_and(|common| slopes.iter().all(|s| near(*s, common)))
+/// The factor by which the velocity of most joints is off, and of more than one: a gear or gripper of one joint has
+/// no part in it.
+fn common_factor(own: &[(usize, Agreement)]) -> Option<f64> {
+    let told = own.iter().filter(|(_, a)| a.correlation.abs() >= AGREES);
+    let mut slopes: Vec<f64> = told.map(|(_, a)| a.slope.abs()).collect();
+    let common = median(&mut slopes).filter(|common| !near(*common, 1.0))?;
+    let alike = slopes.iter().filter(|s| near(**s, common)).count();
+    (alike > 1 && 2 * alike > slopes.len()).then_some(common)
 }
 
 fn joints(of: &[(usize, Agreement)]) -> String {

@@ -241,6 +241,11 @@ fn a_factor_of_one_joint_alone_is_its_own_affair() {
     let mut recording = recorded(&Truth::default());
     column(&mut recording, "actual_qd_5").iter_mut().for_each(|v| *v *= 2.3);
     assert_eq!(held(&recording, false).doubts, []);
+    // It hides no wrong unit of all others.
+    for j in 0..6 {
+        column(&mut recording, &format!("actual_qd_{j}")).iter_mut().for_each(|v| *v *= 2.0);
+    }
+    doubted(&recording, &["joints 1, 2, 3, 4, 5: actual_qd is 2.0000 times"]);
 }
 
 #[test]

@@ -9,12 +9,11 @@ use super::toeplitz::lagged_products;
 pub fn autocorrelation(x: &[f64], lags: usize) -> Vec<f64> {
     let n = x.len();
     let mean = x.iter().sum::<f64>() / n.max(1) as f64;
-    let d: Vec<f64> = x.iter().map(|v| v - mean).collect();
-    let power: f64 = d.iter().map(|v| v * v).sum();
-    let at = |l: usize| match (l, power > 0.0 && l < n) {
+    let products = lagged_products(&x.iter().map(|v| v - mean).collect::<Vec<f64>>());
+    let at = |l: usize| match (l, products.first()) {
         (0, _) => 1.0,
-        (_, false) => 0.0,
-        _ => d[l..].iter().zip(&d).map(|(a, b)| a * b).sum::<f64>() / power,
+        (_, Some(power)) if *power > 0.0 && l < n => products[l] / power,
+        _ => 0.0,
     };
     (0..=lags).map(at).collect()
 }
@@ -27,12 +26,7 @@ pub fn effective_samples(x: &[f64]) -> f64 {
     if n < 4 {
         return n as f64;
     }
-    let mean = x.iter().sum::<f64>() / n as f64;
-    let products = lagged_products(&x.iter().map(|v| v - mean).collect::<Vec<f64>>());
-    let r: Vec<f64> = match products[0] > 0.0 {
-        true => products.iter().map(|p| p / products[0]).collect(),
-        false => vec![1.0],
-    };
+    let r = autocorrelation(x, n - 1);
     let (mut sum, mut least) = (0.0, f64::INFINITY);
     for pair in r.chunks_exact(2) {
         least = least.min(pair[0] + pair[1]);

@@ -59,8 +59,8 @@ pub fn lagged_products(x: &[f64]) -> Vec<f64> {
     let mut transform = vec![Complex::default(); size];
     transform.iter_mut().zip(x).for_each(|(t, x)| t.re = *x);
     planner.plan_fft_forward(size).process(&mut transform);
-    let power = 1.0 / size as f64;
-    transform.iter_mut().for_each(|t| *t = Complex::new(t.norm_sqr() * power, 0.0));
+    let share = 1.0 / size as f64;
+    transform.iter_mut().for_each(|t| *t = Complex::new(share * t.norm_sqr(), 0.0));
     planner.plan_fft_inverse(size).process(&mut transform);
     transform[..x.len()].iter().map(|t| t.re).collect()
 }
