@@ -36,14 +36,14 @@ impl Built {
             let key = of_term(model, term);
             let series = || signature(observed, model, term, &known);
             let show = |series: &Series| -> Vec<Blocks> {
-                series.iter().map(|c| shown(observed, &model.causes, c.clone())).collect()
+                series.iter().map(|c| shown(observed, &model.causes, c)).collect()
             };
             built.series[i] = match follows(term.candidate) {
                 true => Arc::new(series()),
-                false => observed.series(&key, series),
+                false => observed.series.get(&key, series),
             };
             built.columns[i] = match is_kept(model, term.candidate) {
-                true => observed.kept.get("", &key, || show(&built.series[i])),
+                true => observed.kept.get(&key, || show(&built.series[i])),
                 false => Arc::new(show(&built.series[i])),
             };
             for (column, value) in built.series[i].iter().zip(&term.linear) {
@@ -51,8 +51,7 @@ impl Built {
             }
         }
         let known = (0..observed.joints()).map(|j| {
-            let series = observed.known.joint(j).to_vec();
-            observed.block(j, &sense(observed, &model.causes, j, series))
+            observed.block(j, &sense(observed, &model.causes, j, observed.known.joint(j)))
         });
         built.y.add_scaled(-1.0, &Blocks(known.collect()));
         built
@@ -102,7 +101,7 @@ pub fn series(
 ) -> Arc<Series> {
     let fresh = || candidate.series(motion, nonlinear, observed.index);
     match has_sensor(model) && !follows(candidate) {
-        true => observed.series(&key(model, candidate, nonlinear), fresh),
+        true => observed.series.get(&key(model, candidate, nonlinear), fresh),
         false => Arc::new(fresh()),
     }
 }

@@ -1,5 +1,7 @@
 //! What may be missing in the twin: an effect of the catalogue, somewhere.
 
+use std::borrow::Cow;
+
 use super::observed::Observed;
 use crate::effects::{
     self, CATALOGUE, Channels, Effect, Mechanism, Motion, Parameter, Role, Scope, Seen, Size,
@@ -337,7 +339,8 @@ impl Candidate {
         let reach =
             sets.flat_map(|(k, from)| self.effect.reach(motion, from, self.own(nonlinear, k)));
         for (column, series) in columns.iter_mut().zip(reach) {
-            column.iter_mut().enumerate().for_each(|(j, c)| *c = series.joint(j).to_vec());
+            let acts = |j: &usize| series.joint(*j).iter().any(|v| *v != 0.0);
+            (0..joints).filter(acts).for_each(|j| column[j] = series.joint(j).to_vec());
         }
         columns
     }
@@ -361,14 +364,14 @@ pub fn describe(candidate: Candidate) -> String {
 }
 
 /// What sensors with the given channel effects show of a joint's torque.
-pub fn sense(
+pub fn sense<'s>(
     evidence: &Observed<'_>,
     sensors: &[Term],
     joint: usize,
-    torque: Vec<f64>,
-) -> Vec<f64> {
+    torque: &'s [f64],
+) -> Cow<'s, [f64]> {
     let here = |t: &&Term| t.candidate.senses() && t.candidate.place.has(joint);
-    sensors.iter().filter(here).fold(torque, |torque, term| {
+    sensors.iter().filter(here).fold(torque.into(), |torque, term| {
         let none = Vec::new;
         let dt = evidence.samples.dt;
         let mut channels = Channels {
@@ -376,21 +379,21 @@ pub fn sense(
             q: none(),
             qd: none(),
             qdd: none(),
-            torque,
+            torque: torque.into_owned(),
             velocity_is_recorded: false,
         };
         term.candidate.effect.measure(&term.nonlinear, &mut channels);
-        channels.torque
+        channels.torque.into()
     })
 }
 
 /// Series before sensors -> what the rows show of them.
-pub fn shown(evidence: &Observed<'_>, sensors: &[Term], column: Vec<Vec<f64>>) -> Blocks {
-    let one = |(joint, series): (usize, Vec<f64>)| match series.iter().any(|v| *v != 0.0) {
+pub fn shown(evidence: &Observed<'_>, sensors: &[Term], column: &[Vec<f64>]) -> Blocks {
+    let one = |(joint, series): (usize, &Vec<f64>)| match series.iter().any(|v| *v != 0.0) {
         true => evidence.block(joint, &sense(evidence, sensors, joint, series)),
         false => Vec::new(),
     };
-    Blocks(column.into_iter().enumerate().map(one).collect())
+    Blocks(column.iter().enumerate().map(one).collect())
 }
 
 #[cfg(test)]

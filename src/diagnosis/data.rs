@@ -31,9 +31,8 @@ pub struct Data<'a> {
     pub scale_error: f64,
     /// Who may end the work on them.
     pub watch: &'a dyn Watch,
-    /// Columns that a search comes back to, as no sensor shows them, and as the last ones do.
+    /// Columns that a search comes back to.
     kept: Kept<Vec<Raw>>,
-    sensed: Kept<Vec<Raw>>,
 }
 
 impl<'a> Data<'a> {
@@ -58,9 +57,9 @@ impl<'a> Data<'a> {
         let features = Arc::new((0..parts[0].joints()).map(|_| none()).collect());
         let rated = (0..parts[0].joints()).map(|j| rated(&parts, j)).collect();
         let shares = vec![1.0; parts[0].joints()];
-        let (scale_error, kept, sensed) = (0.0, Kept::default(), Kept::default());
+        let (scale_error, kept) = (0.0, Kept::default());
         let watch = &();
-        Self { twin, parts, features, rated, shares, scale_error, watch, kept, sensed }
+        Self { twin, parts, features, rated, shares, scale_error, watch, kept }
     }
 
     /// These recordings, in work that `watch` may end.
@@ -116,8 +115,7 @@ impl<'a> Data<'a> {
     pub fn counted(self, shares: Vec<f64>) -> Self {
         let scaled = |(f, s): (&Features, &f64)| f.scaled(s.sqrt());
         let features = self.features.iter().zip(&shares).map(scaled).collect();
-        let (kept, sensed) = (Kept::default(), Kept::default());
-        Self { features: Arc::new(features), shares, kept, sensed, ..self }
+        Self { features: Arc::new(features), shares, kept: Kept::default(), ..self }
     }
 
     /// Columns that `work_out` makes of every recording.
@@ -128,16 +126,9 @@ impl<'a> Data<'a> {
         (0..count).map(column).collect()
     }
 
-    /// Columns by all that they depend on, as `sensors` show them, worked out once; `work_out` makes
-    /// those of a recording.
-    pub fn kept(
-        &self,
-        sensors: &str,
-        key: &str,
-        work_out: impl Fn(usize) -> Vec<Blocks>,
-    ) -> Arc<Vec<Raw>> {
-        let kept = if sensors.is_empty() { &self.kept } else { &self.sensed };
-        kept.get(sensors, key, || self.fresh(work_out))
+    /// Columns by all that they depend on; `work_out` makes those of a recording.
+    pub fn kept(&self, key: &str, work_out: impl Fn(usize) -> Vec<Blocks>) -> Arc<Vec<Raw>> {
+        self.kept.get(key, || self.fresh(work_out))
     }
 
     /// No discrepancy anywhere.

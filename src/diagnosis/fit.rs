@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::built::{self, Built, follows, is_kept, key, of_sensors, of_term};
 use super::candidate::{Candidate, Term, shown};
 use super::data::Data;
@@ -63,13 +65,13 @@ impl<'a> Fit<'a> {
 
     fn once(data: &'a Data<'a>, mut model: Model, sizes: Vec<Vec<u8>>) -> Self {
         go_on(data.watch);
-        let built: Vec<Built> = data.parts.iter().map(|p| Built::new(p, &model)).collect();
+        let built: Vec<Built> = data.parts.par_iter().map(|p| Built::new(p, &model)).collect();
         let columns = columns(data, &model, &built);
         let y = recorded(data, &model, &built);
         let normal = Normal::new(columns, y);
         let metric = data.metric(&sizes);
         let system = solved(data, &model, &normal, &metric);
-        let each = data.parts.iter().zip(&built);
+        let each = data.parts.par_iter().zip(&built);
         let modelled = Arc::new(each.map(|(p, b)| b.modelled(p, &system.x)).collect());
         model.carry(data.twin, &system.x);
         let squares = system.residual.squares();
@@ -165,7 +167,7 @@ impl<'a> Fit<'a> {
         let (observed, sensors) = (self.data.parts[p], &self.model.causes);
         let motion = self.motion_of(p);
         let series = built::series(observed, &self.model, candidate, nonlinear, &motion);
-        series.iter().map(|column| shown(observed, sensors, column.clone())).collect()
+        series.iter().map(|column| shown(observed, sensors, column)).collect()
     }
 
     /// The columns of `raw`, kept for the next time where the effect does not depend on values of the model.
@@ -173,8 +175,8 @@ impl<'a> Fit<'a> {
         if follows(candidate) {
             return Arc::new(self.raw(candidate, nonlinear));
         }
-        let (key, sensors) = (key(&self.model, candidate, nonlinear), of_sensors(&self.model));
-        self.data.kept(&sensors, &key, |p| self.blocks(p, candidate, nonlinear))
+        let key = key(&self.model, candidate, nonlinear) + &of_sensors(&self.model);
+        self.data.kept(&key, |p| self.blocks(p, candidate, nonlinear))
     }
 
     /// The columns of `raw` in the metric of this fit.
@@ -198,6 +200,14 @@ impl<'a> Fit<'a> {
     /// What the fitted values leave of a recording, N.m at its rows.
     pub fn held_against(&self, other: &Observed<'_>) -> Blocks {
         Built::new(other, &self.model).residual(&self.system.x)
+    }
+
+    /// Does cause `i` change what a recording shows?
+    pub fn acts_in(&self, i: usize, other: &Observed<'_>) -> bool {
+        let cause = &self.model.causes[i];
+        let columns = Built::new(other, &self.model).columns.swap_remove(self.model.open.len() + i);
+        let shows = |column: &Blocks| (0..other.joints()).any(|j| column.touches(j));
+        cause.candidate.senses() || columns.iter().any(shows)
     }
 
     /// Values of cause `i`: linear, then nonlinear.
@@ -240,7 +250,7 @@ fn columns(data: &Data<'_>, model: &Model, built: &[Built]) -> Vec<Raw> {
     let of = |(i, term): (usize, &Term)| {
         let parts = |p: usize| built[p].columns[i].to_vec();
         match is_kept(model, term.candidate) {
-            true => data.kept("", &of_term(model, term), parts).to_vec(),
+            true => data.kept(&of_term(model, term), parts).to_vec(),
             false => data.fresh(parts),
         }
     };
@@ -251,7 +261,7 @@ fn columns(data: &Data<'_>, model: &Model, built: &[Built]) -> Vec<Raw> {
 fn recorded(data: &Data<'_>, model: &Model, built: &[Built]) -> Raw {
     match model.causes.iter().any(|t| t.candidate.senses()) {
         true => data.raw(built.iter().map(|b| b.y.clone()).collect()),
-        false => data.kept("", "recorded", |p| vec![built[p].y.clone()])[0].clone(),
+        false => data.kept("recorded", |p| vec![built[p].y.clone()])[0].clone(),
     }
 }
 

@@ -54,20 +54,47 @@ impl<'a> Standing<'a> {
 
     /// What the data alone say of a hypothesis, whatever was expected of its values: its likelihood at
     /// their best, over that without it, less 1/2 ln n for each that they tell (Schwarz, Ann. Stat. 6, 1978), nats.
-    /// Beside the discrepancy that it leaves or that the cause leaves: a narrow expectation enlarges it.
+    /// Values that the data do not call for are none: an effect is not less there for what it could be besides.
     pub fn shown(&self, h: &Hypothesis<'a>) -> f64 {
+        let rows: f64 = (0..self.without.data.joints()).map(|j| self.without.data.count(j)).sum();
+        let price = 0.5 * rows.max(1.0).ln();
         let term = Term { free: true, ..h.trial.term() };
+        let whole =
+            Fit::new(self.without.data, self.without.model.with(term.clone()), h.fit.sizes.clone());
+        let called_for = called_for(&whole, term.clone(), price);
+        let all = self.shown_by(h, &term, whole, price);
+        let Some(few) = called_for else { return all };
+        let model = self.without.model.with(few.clone());
+        let fewer = Fit::new(self.without.data, model, h.fit.sizes.clone());
+        all.max(self.shown_by(h, &few, fewer, price))
+    }
+
+    /// By a fit with `term`, beside the discrepancy that it leaves or that the cause leaves: a narrow expectation
+    /// enlarges it.
+    fn shown_by(&self, h: &Hypothesis<'a>, term: &Term, fit: Fit<'a>, price: f64) -> f64 {
         let last = h.fit.model.causes.len() - 1;
         let linear = h.fit.model.range(last).zip(&term.held).filter(|(_, held)| !**held);
         let told: f64 = linear.map(|(i, _)| h.fit.system.determined(i)).sum();
         let values = told + term.shapes().count() as f64;
-        let data = self.without.data;
-        let all = |fit: &Fit<'a>| (0..data.joints()).map(|j| fit.ln_likelihood(j)).sum::<f64>();
-        let own = Fit::new(data, self.without.model.with(term), h.fit.sizes.clone());
-        let best = all(&own).max(all(&own.beside(self.cause().fit.sizes.clone())));
-        let rows: f64 = (0..data.joints()).map(|j| data.count(j)).sum();
-        best - all(&self.without) - 0.5 * values * rows.max(1.0).ln()
+        let joints = 0..self.without.data.joints();
+        let all = |fit: &Fit<'a>| joints.clone().map(|j| fit.ln_likelihood(j)).sum::<f64>();
+        let best = all(&fit).max(all(&fit.beside(self.cause().fit.sizes.clone())));
+        best - all(&self.without) - price * values
     }
+}
+
+/// The last cause of a fit, `term`, with those linear values held at zero that bring no more than `price` nats each;
+/// `None` where all bring more, or the effect would not be the same without them.
+fn called_for(fit: &Fit<'_>, mut term: Term, price: f64) -> Option<Term> {
+    let range = fit.model.range(fit.model.causes.len() - 1);
+    let mut linear = fit.system.x.as_slice()[range.clone()].to_vec();
+    let brings = |i: usize| 0.5 * fit.system.x[i].powi(2) / fit.system.variance(i);
+    let idle: Vec<bool> = range.map(|i| brings(i) <= price).collect();
+    for (k, idle) in idle.iter().enumerate().filter(|(_, idle)| **idle) {
+        term.held[k] = *idle;
+        linear[k] = 0.0;
+    }
+    (idle.contains(&true) && term.candidate.is_itself(&linear)).then_some(term)
 }
 
 /// Everything that may be a cause, in these recordings.
@@ -202,18 +229,20 @@ impl<'a> Hypotheses<'a> {
 
     /// Every cause among its rivals.
     pub fn standings(&self, last: &Fit<'a>) -> Vec<Standing<'a>> {
-        let standing = |i: usize| {
-            let cause = &last.model.causes[i];
-            let without = self.without(last, i);
-            let mut ranked = self.rivals(last, &without, cause.candidate, WEIGHED);
-            let trial = trial::tried(&without, cause);
-            let beside = without.clone().beside(last.sizes.clone());
-            ranked.push(self.adopted(&without, &beside, trial));
-            ranked.sort_by(|a, b| b.nats.total_cmp(&a.nats));
-            let mine = |h: &Hypothesis| h.candidate() == cause.candidate;
-            let index = ranked.iter().position(mine).unwrap_or_default();
-            Standing { ranked, index, without }
-        };
-        (0..last.model.causes.len()).map(standing).collect()
+        (0..last.model.causes.len()).into_par_iter().map(|i| self.standing(last, i)).collect()
+    }
+
+    /// Cause `i` among its rivals.
+    pub fn standing(&self, last: &Fit<'a>, i: usize) -> Standing<'a> {
+        let cause = &last.model.causes[i];
+        let without = self.without(last, i);
+        let mut ranked = self.rivals(last, &without, cause.candidate, WEIGHED);
+        let trial = trial::tried(&without, cause);
+        let beside = without.clone().beside(last.sizes.clone());
+        ranked.push(self.adopted(&without, &beside, trial));
+        ranked.sort_by(|a, b| b.nats.total_cmp(&a.nats));
+        let mine = |h: &Hypothesis| h.candidate() == cause.candidate;
+        let index = ranked.iter().position(mine).unwrap_or_default();
+        Standing { ranked, index, without }
     }
 }

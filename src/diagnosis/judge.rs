@@ -85,7 +85,7 @@ impl Judge<'_> {
             low: (off - half) / squares,
             high: ((off + half) / squares).min(1.0),
         };
-        Gain { shrink, where_exact, where_inexact, acts: d.iter().any(|d| *d > 0.0) }
+        Gain { shrink, where_exact, where_inexact, acts: fit.acts_in(i, check.parts[0]) }
     }
 
     /// Does it, surely and enough? What does not act in the check recording has nothing to show there.
@@ -126,6 +126,10 @@ mod tests {
 
     /// What an offset at `joint` gains, from one motion to another.
     fn gained(joint: usize) -> Gain {
+        gain_of(Candidate::new(find("current_offset").unwrap(), Place::Joint(joint)))
+    }
+
+    fn gain_of(offset: Candidate) -> Gain {
         let twin = Twin::default();
         let (first, second) = (recorded(0.9), recorded(1.3));
         let floors = [&first, &second].map(|s| noise_floor(s, &twin));
@@ -134,7 +138,6 @@ mod tests {
         let settings = Settings::default();
         let [alone, other, both] =
             [vec![&fit], vec![&check], vec![&fit, &check]].map(|parts| Data::new(parts, &settings));
-        let offset = Candidate::new(find("current_offset").unwrap(), Place::Joint(joint));
         let model = Model::of(&twin).with(Term::new(offset, vec![]));
         let criteria = settings.criteria;
         Judge { fit: &alone, check: &other, criteria }.gain(&Fit::plain(&both, model), 0)
@@ -150,6 +153,14 @@ mod tests {
         assert!((taken / OFFSET_NM.powi(2) - 1.0).abs() < 0.1, "{taken}");
         assert!(low > 0.0 && low < fraction && fraction < high, "{low} {fraction} {high}");
         assert!(gain.acts && gain.where_exact > 0.5, "{gain:?}");
+    }
+
+    #[test]
+    fn what_acts_in_one_recording_alone_has_nothing_to_show_in_the_other() {
+        let offset = Candidate::new(find("current_offset").unwrap(), Place::Joint(JOINT));
+        let [own, other] =
+            [0, 1].map(|only| gain_of(Candidate { recording: Some(only), ..offset }).acts);
+        assert!(!own && other);
     }
 
     #[test]

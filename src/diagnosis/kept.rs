@@ -1,37 +1,85 @@
-//! What a search comes back to, by all that it depends on.
+//! What a search comes back to, by all that it depends on, as far as there is room.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
-/// Values by key, as long as nobody asks for those of another state: each value of a delay that is
-/// searched shows all columns anew.
-pub struct Kept<T>(Mutex<(String, HashMap<String, Arc<T>>)>);
+use quick_cache::Weighter;
+use quick_cache::sync::Cache;
 
-impl<T> Default for Kept<T> {
-    fn default() -> Self {
-        Self(Mutex::default())
+use super::observed::Series;
+use crate::regression::{Blocks, Raw};
+
+/// Room for what is kept of one kind, bytes: the columns of a minute of six joints take a third of it, and a machine of
+/// 8 GB has it for every kind.
+const ROOM: u64 = 256 << 20;
+/// What a column of a minute takes, bytes.
+const USUAL: u64 = 64 << 10;
+
+/// Values by key: where there is no room left, those that are asked for least go.
+pub struct Kept<T>(Cache<String, Sized<T>, Bytes>);
+
+/// A value and how much room it takes.
+#[derive(Debug)]
+struct Sized<T> {
+    value: Arc<T>,
+    bytes: u64,
+}
+
+impl<T> Clone for Sized<T> {
+    fn clone(&self) -> Self {
+        Self { value: self.value.clone(), bytes: self.bytes }
     }
 }
 
-impl<T> Kept<T> {
-    /// The value of `key` in a `state`, worked out where it is not here.
-    pub fn get(&self, state: &str, key: &str, work_out: impl FnOnce() -> T) -> Arc<T> {
-        if let Some(value) = self.find(state, key) {
-            return value;
-        }
-        let value = Arc::new(work_out());
-        if let Ok(mut all) = self.0.lock() {
-            if all.0 != state {
-                *all = (state.into(), HashMap::new());
-            }
-            all.1.insert(key.into(), value.clone());
-        }
-        value
-    }
+#[derive(Debug, Clone, Copy)]
+struct Bytes;
 
-    fn find(&self, state: &str, key: &str) -> Option<Arc<T>> {
-        let all = self.0.lock().ok()?;
-        (all.0 == state).then(|| all.1.get(key).cloned()).flatten()
+impl<T> Weighter<String, Sized<T>> for Bytes {
+    fn weight(&self, key: &String, kept: &Sized<T>) -> u64 {
+        kept.bytes + key.len() as u64
+    }
+}
+
+/// What takes room.
+pub trait Room {
+    /// Numbers it holds.
+    fn numbers(&self) -> usize;
+}
+
+impl Room for Series {
+    fn numbers(&self) -> usize {
+        self.iter().flatten().map(Vec::len).sum()
+    }
+}
+
+impl Room for Vec<Blocks> {
+    fn numbers(&self) -> usize {
+        self.iter().flat_map(|b| &b.0).map(Vec::len).sum()
+    }
+}
+
+impl Room for Vec<Raw> {
+    fn numbers(&self) -> usize {
+        self.iter().flat_map(|r| &r.rows.0).map(Vec::len).sum()
+    }
+}
+
+impl<T> Default for Kept<T> {
+    fn default() -> Self {
+        Self(Cache::with_weighter((ROOM / USUAL) as usize, ROOM, Bytes))
+    }
+}
+
+impl<T: Room> Kept<T> {
+    /// The value of `key`, worked out where it is not here.
+    pub fn get(&self, key: &str, work_out: impl FnOnce() -> T) -> Arc<T> {
+        if let Some(kept) = self.0.get(key) {
+            return kept.value;
+        }
+        // No lock is held meanwhile: it runs in parallel, and a thread that waits for its parts may come here again.
+        let value = Arc::new(work_out());
+        let bytes = (size_of::<f64>() * value.numbers()) as u64;
+        self.0.insert(key.into(), Sized { value: value.clone(), bytes });
+        value
     }
 }
 
@@ -39,17 +87,36 @@ impl<T> Kept<T> {
 mod tests {
     use super::*;
 
+    fn blocks(bytes: usize) -> Vec<Blocks> {
+        vec![Blocks(vec![vec![0.0; bytes / size_of::<f64>()]])]
+    }
+
     #[test]
-    fn another_state_begins_anew() {
+    fn what_is_kept_is_worked_out_once() {
         let kept = Kept::default();
-        let is_fresh = |state: &str, key: &str| {
+        let is_fresh = |key: &str| {
             let mut fresh = false;
-            kept.get(state, key, || fresh = true);
+            kept.get(key, || {
+                fresh = true;
+                blocks(8)
+            });
             fresh
         };
-        assert!(is_fresh("", "a") && is_fresh("", "b"));
-        assert!(!is_fresh("", "a"));
-        assert!(is_fresh("delay", "a") && !is_fresh("delay", "a"));
-        assert!(is_fresh("", "a"));
+        assert!(is_fresh("a") && is_fresh("b"));
+        assert!(!is_fresh("a") && !is_fresh("b"));
+    }
+
+    #[test]
+    fn no_more_is_kept_than_there_is_room_for() {
+        let kept: Kept<Vec<Blocks>> = Kept::default();
+        let each = ROOM as usize / 100;
+        for key in 0..300 {
+            assert_eq!(kept.get(&key.to_string(), || blocks(each)).numbers(), each / 8);
+        }
+        assert!(kept.0.weight() <= ROOM);
+        // What is larger than all room is worked out each time.
+        let large = 2 * ROOM as usize;
+        assert_eq!(kept.get("large", || blocks(large)).numbers(), large / 8);
+        assert!(kept.0.weight() <= ROOM);
     }
 }

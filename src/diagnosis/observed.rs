@@ -1,6 +1,6 @@
 //! A recording as it is searched: the recorded torque, where it counts, and how noisy it is.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
 use super::DiagnosisError;
@@ -32,7 +32,7 @@ pub struct Observed<'a> {
     pub known: JointSeries,
     /// Columns that a search comes back to, at the rows and over all samples.
     pub kept: Kept<Vec<Blocks>>,
-    series: Mutex<HashMap<String, Arc<Series>>>,
+    pub series: Kept<Series>,
     filter: Option<Decimator>,
     /// The arm with what it was last said to carry, and its torque along this motion.
     rigid: Mutex<VecDeque<(Robot, Arc<Rigid>)>>,
@@ -41,8 +41,6 @@ pub struct Observed<'a> {
 /// Columns over all samples, joint by joint.
 pub type Series = Vec<Vec<Vec<f64>>>;
 
-/// Series that are kept, of some MB each.
-const MOST_SERIES: usize = 600;
 /// Loads whose torque is kept.
 const LOADS: usize = 8;
 
@@ -71,7 +69,7 @@ impl<'a> Observed<'a> {
         }
         let known = twin.torque(&twin.motion(samples));
         let torque = Blocks::default();
-        let (kept, series, rigid) = (Kept::default(), Mutex::default(), Mutex::default());
+        let (kept, series, rigid) = (Kept::default(), Kept::default(), Mutex::default());
         let mut observed =
             Self { index, twin, samples, rows, sigma, torque, known, kept, series, filter, rigid };
         let torque = |j| {
@@ -111,21 +109,6 @@ impl<'a> Observed<'a> {
         all.truncate(LOADS - 1);
         all.push_front((robot.clone(), rigid.clone()));
         rigid
-    }
-
-    /// Series by all that they depend on, worked out once.
-    pub fn series(&self, key: &str, work_out: impl FnOnce() -> Series) -> Arc<Series> {
-        if let Some(series) = self.series.lock().ok().and_then(|kept| kept.get(key).cloned()) {
-            return series;
-        }
-        let series = Arc::new(work_out());
-        if let Ok(mut kept) = self.series.lock() {
-            if kept.len() >= MOST_SERIES {
-                kept.clear();
-            }
-            kept.insert(key.into(), series.clone());
-        }
-        series
     }
 
     /// A series over all samples of a joint -> its rows, filtered as the torque is: by the low-pass, or by what

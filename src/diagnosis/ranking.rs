@@ -67,7 +67,9 @@ fn shares(standing: &Standing<'_>, criteria: &Criteria) -> Vec<f64> {
 /// What looks the same as a cause.
 pub fn equivalents(standing: &Standing<'_>, gain: &Gain, criteria: &Criteria) -> Vec<Named> {
     let others = standing.ranked.iter().filter(|h| is_equal(standing, gain, h, criteria));
-    others.map(|h| named(h.candidate())).collect()
+    // It is the same name in one recording and in all.
+    let own = named(standing.cause().candidate());
+    others.map(|h| named(h.candidate())).filter(|other| *other != own).collect()
 }
 
 /// The strongest cause's rivals, "none" and "unknown": what is at work first of all.
@@ -141,4 +143,54 @@ pub fn with_sensor(sensor: &[Cause], mut ranking: Vec<Ranked>) -> Vec<Ranked> {
         ranking.insert(0, ranked(named, probability, 0.0));
     }
     ranking
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::diagnosis::{Diagnosis, Settings, diagnose};
+    use crate::signals::testing::{noisy, samples};
+    use crate::twin::Twin;
+
+    /// An arm whose friction at `JOINT` differs by direction, more so at speed by `viscous`, N.m.s/rad.
+    fn diagnosed(viscous: f64) -> Diagnosis {
+        let mut arm = Twin::default();
+        arm.effects.push("coulomb_asymmetry".into());
+        for (name, value) in [("coulomb_asymmetry", 1.5), ("viscous_asymmetry", viscous)] {
+            let mut values = vec![0.0; 6];
+            values[JOINT] = value;
+            arm.values.insert(name.into(), values);
+        }
+        let [fit, check] = [1.1, 1.4].map(|speed| {
+            let mut made = samples(6, 3000, |j, t| 0.7 * ((speed + 0.2 * j as f64) * t).sin());
+            made.torque = arm.torque(&arm.motion(&made));
+            noisy(&mut made, 0.3);
+            made
+        });
+        diagnose(&Twin::default(), &fit, &check, &Settings::default()).unwrap()
+    }
+
+    const JOINT: usize = 1;
+
+    fn names(found: &Diagnosis) -> Vec<&str> {
+        let [cause] = &found.causes[..] else { panic!("{:?}", found.causes) };
+        assert_eq!(cause.joints, [JOINT + 1]);
+        let equals = cause.equivalent.iter().map(|e| e.effect.as_str());
+        [cause.effect.as_str()].into_iter().chain(equals).collect()
+    }
+
+    /// That one of them could have another part besides tells nothing of what is there.
+    #[test]
+    fn names_of_the_same_torque_are_equals_whatever_else_one_of_them_could_be() {
+        let found = diagnosed(0.0);
+        let names = names(&found);
+        assert!(
+            names.contains(&"coulomb_asymmetry") && names.contains(&"current_offset"),
+            "{names:?}"
+        );
+    }
+
+    #[test]
+    fn a_part_that_shows_tells_them_apart() {
+        assert_eq!(names(&diagnosed(2.0)), ["coulomb_asymmetry"]);
+    }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::answer::{Replaced, Unexplained};
-use super::called::{Called, called};
+use super::called::{Blind, Called, called};
 use super::candidate::{Candidate, Place};
 use super::criteria::Criteria;
 use super::episodes::{Episode, episodes};
@@ -46,7 +46,7 @@ impl<'a> Findings<'a> {
         );
         let seen = |(alone, found): (Found<'a>, Found<'a>)| {
             let held = HeldOut::new(&alone.last, check);
-            let called = called(both, &judge, &found, &alone);
+            let called = called(both, &judge, &found, &Blind::new(blind, &alone));
             (found, held, called)
         };
         let (found, held, called) = match proof {

@@ -52,7 +52,7 @@ impl Effect for LinkInertia {
         let body = motion.regressor(from);
         let inertia = &motion.robot.bodies[from].inertia;
         let new = changed(inertia, reference).unwrap_or(*inertia);
-        (0..4).map(|i| weighted_sum(&body, &per_unit(inertia.com, new.com, i))).collect()
+        (0..4).map(|i| weighted_sum(&body, &per_unit(inertia.com, new.com, i), from)).collect()
     }
 
     fn expected(&self, robot: &Robot, joint: usize, _: &[f64]) -> Vec<f64> {
@@ -112,12 +112,13 @@ fn per_unit(c: Vector3<f64>, new: Vector3<f64>, i: usize) -> [f64; 10] {
     [dm, dh.x, dh.y, dh.z, o.m11, o.m12, o.m22, o.m13, o.m23, o.m33]
 }
 
-fn weighted_sum(columns: &[JointSeries; 10], weights: &[f64; 10]) -> JointSeries {
-    columns[0].map_joints(|j, column| {
-        let mut sum = vec![0.0; column.len()];
+/// At the joints that carry `link`; no other feels it.
+fn weighted_sum(columns: &[JointSeries; 10], weights: &[f64; 10], link: usize) -> JointSeries {
+    let mut sum = JointSeries::zeros(columns[0].joints(), columns[0].samples());
+    for j in 0..=link {
         for (column, weight) in columns.iter().zip(weights).filter(|(_, w)| **w != 0.0) {
-            sum.iter_mut().zip(column.joint(j)).for_each(|(s, c)| *s += weight * c);
+            sum.joint_mut(j).iter_mut().zip(column.joint(j)).for_each(|(s, c)| *s += weight * c);
         }
-        sum
-    })
+    }
+    sum
 }

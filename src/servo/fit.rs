@@ -48,24 +48,6 @@ pub struct Estimate {
     pub identifiable: bool,
 }
 
-impl Estimate {
-    /// The value a search begins with, of which nothing is known.
-    pub(super) fn untold(free: &Free) -> Self {
-        Self {
-            effect: free.effect.about().name,
-            name: free.parameter.name,
-            unit: free.parameter.unit,
-            joint: free.joint.map(|j| j + 1),
-            value: free.start,
-            low: f64::NEG_INFINITY,
-            high: f64::INFINITY,
-            p: 1.0,
-            at_bound: false,
-            identifiable: false,
-        }
-    }
-}
-
 /// What came of it.
 #[derive(Debug, Clone)]
 pub struct Fitted {
@@ -261,7 +243,6 @@ fn estimates(
     let found = infer(x, &null, &jacobian, &measured, &problem.slots(), settings.level)?;
     let one = |(i, f): (usize, &Free)| {
         let robust = &found.robust[i];
-        let reach = 1e-6 * (f.max - f.min).min(1.0);
         Estimate {
             effect: f.effect.about().name,
             name: f.parameter.name,
@@ -271,7 +252,7 @@ fn estimates(
             low: robust.low,
             high: robust.high,
             p: robust.p,
-            at_bound: x[i] - f.min <= reach || f.max - x[i] <= reach,
+            at_bound: f.is_bound(x[i]),
             // As by torque: what may be anything in the range it was searched in is not told.
             identifiable: found.design.is_determined(i) && robust.high - robust.low < f.max - f.min,
         }

@@ -86,7 +86,10 @@ fn within_range(found: &Estimate, twin: &Twin) -> [f64; 2] {
     let Some(range) = own.map(|p| p.on(&Size::of(&twin.robot).laden())) else {
         return [found.low, found.high];
     };
-    if found.identifiable { [found.low, found.high] } else { [range.min, range.max] }
+    match found.identifiable {
+        true => [found.low, found.high],
+        false => [range.min.min(found.value), range.max.max(found.value)],
+    }
 }
 
 fn shift(value: &mut Value, by: f64) {

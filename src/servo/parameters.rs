@@ -38,6 +38,12 @@ impl Free {
         Self { spread: expected.unwrap_or(usual.max(self.start.abs())), ..self }
     }
 
+    /// Is a value at an end of the range that is searched?
+    pub(super) fn is_bound(&self, value: f64) -> bool {
+        let reach = 1e-6 * (self.max - self.min).min(1.0);
+        value - self.min <= reach || self.max - value <= reach
+    }
+
     /// How many values a twin has of it, and which of them this one is.
     fn places(&self, robot: &Robot) -> (usize, Range<usize>) {
         match (self.effect.about().scope, self.joint) {

@@ -85,14 +85,29 @@ impl<'a> Refits<'a> {
         Ok(Refitted { twin: fitted.twin, estimates: fitted.estimates })
     }
 
-    /// A twin with changes as it is, where nothing is known of how sure their values are.
+    /// A twin with changes as it is, which predicts better than it does with the values of a full fit: how sure values
+    /// are is what that fit says, and they may be either.
     ///
     /// # Errors
     /// If a change has no parameters that can be fitted.
-    pub fn as_is(&self, twin: &Twin, changes: &[Change]) -> Result<Refitted, ServoError> {
-        let free = self.free(twin, changes)?;
-        let estimates = free.iter().map(Estimate::untold).collect();
-        Ok(Refitted { twin: twin.clone(), estimates })
+    pub fn as_is(
+        &self,
+        twin: &Twin,
+        changes: &[Change],
+        full: &Refitted,
+    ) -> Result<Refitted, ServoError> {
+        let kept = self.free(twin, changes)?;
+        let estimates = full.estimates.iter().zip(kept).map(|(e, f)| {
+            let (value, at_bound) = (f.start, f.is_bound(f.start));
+            Estimate {
+                value,
+                low: e.low.min(value),
+                high: e.high.max(value),
+                at_bound,
+                ..e.clone()
+            }
+        });
+        Ok(Refitted { twin: twin.clone(), estimates: estimates.collect() })
     }
 
     fn approached(

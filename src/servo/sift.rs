@@ -82,7 +82,7 @@ impl Sieve<'_> {
         let [near, mended] = [sifted, &full.twin].map(|twin| errors(twin, self.check));
         let (near, mended) = (near?, mended?);
         match self.is_nearer(&mended, &near) {
-            true => self.refits.as_is(sifted, changes),
+            true => self.refits.as_is(sifted, changes, &full),
             false => Ok(full),
         }
     }
