@@ -30,6 +30,18 @@ pub fn axpy(alpha: f64, x: &[f64], y: &mut [f64]) {
     }
 }
 
+/// L^-1 v of a lower triangle, column after column.
+#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2", "aarch64+neon"))]
+pub fn solve_lower(lower: &[f64], v: &mut [f64]) {
+    let m = v.len();
+    for j in 0..m {
+        let column = &lower[j * m..(j + 1) * m];
+        let (known, rest) = v.split_at_mut(j + 1);
+        known[j] /= column[j];
+        rest.iter_mut().zip(&column[j + 1..]).for_each(|(y, l)| *y -= known[j] * l);
+    }
+}
+
 /// B'a for several columns, four at a time to read `a` less often.
 pub fn dots(a: &[f64], b: &[&[f64]]) -> Vec<f64> {
     let (fours, rest) = b.as_chunks::<4>();
@@ -190,6 +202,25 @@ mod tests {
             let plain: f64 = a.iter().zip(&b).map(|(x, y)| x * y).sum();
             assert_eq!(dot(&a, &b), plain, "{n} values");
             assert_eq!(dots(&a, &[&b, &a, &b, &a, &b])[2..5], [plain, dot(&a, &a), plain]);
+        }
+    }
+
+    #[test]
+    fn what_a_triangle_is_solved_for_gives_what_it_was_made_of() {
+        for m in 0..40 {
+            let entry = |i: usize, j: usize| match i.cmp(&j) {
+                std::cmp::Ordering::Less => f64::NAN,
+                std::cmp::Ordering::Equal => 2.0 + i as f64,
+                std::cmp::Ordering::Greater => ((3 * i + 7 * j) as f64).sin(),
+            };
+            let lower: Vec<f64> = (0..m * m).map(|k| entry(k % m, k / m)).collect();
+            let v: Vec<f64> = (0..m).map(|i| (i as f64).cos()).collect();
+            let mut solved = v.clone();
+            solve_lower(&lower, &mut solved);
+            for i in 0..m {
+                let made: f64 = (0..=i).map(|j| entry(i, j) * solved[j]).sum();
+                assert!((made - v[i]).abs() < 1e-12, "{made} {}", v[i]);
+            }
         }
     }
 

@@ -133,6 +133,7 @@ def main():
     parse.add_argument('-o', '--out', type=Path)
     arguments = parse.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
+    busy = os.getloadavg()[0]
     recording, twin, xml = recorded(arguments.work)
     found = {'armtwin identify, whole program': ours(recording, twin, arguments.work)}
     for optimizer in ['mujoco', 'scipy_parallel_fd']:
@@ -144,7 +145,7 @@ def main():
         f'A desk arm of six servos, {SECONDS} s of command and position at 50 Hz out of rapier, encoder of 4096 steps a turn. '
         f'Dry and viscous friction of every joint are fitted, twelve values, from {BEGIN["coulomb"]:g} N.m and '
         f'{BEGIN["viscous"]:g} N.m.s/rad, over stretches of {STRETCH_S:g} s that begin in measured states, steps of 2 ms. '
-        f'One run, one after the other, {os.cpu_count()} cores with other work on them, mujoco {version("mujoco")}. armtwin also works out '
+        f'One run, one after the other, {os.cpu_count()} cores of which {busy:.1f} were busy with other work, mujoco {version("mujoco")}. armtwin also works out '
         'intervals and whether the recording tells each value. The package `mujoco-sysid` is another thing: columns of '
         'inertial parameters for recorded torque, no fit to positions.', '',
         table(['fit', 's', 'of all cores, s', 'dry friction off by, mN.m', 'viscous, mN.m.s/rad'], rows)]) + '\n'

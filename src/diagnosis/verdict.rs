@@ -234,7 +234,11 @@ impl<'a> Findings<'a> {
     /// The next experiment, for the cause that is least told from its best rival.
     fn next_experiment(&self) -> String {
         let rival = |s: &'_ Standing<'a>| {
-            let usable = |i: &usize| *i != s.index && s.ranked[*i].at_bound.is_none();
+            let own = named(s.cause().candidate());
+            let usable = |i: &usize| {
+                let h = &s.ranked[*i];
+                h.at_bound.is_none() && named(h.candidate()) != own
+            };
             (0..s.ranked.len()).find(usable)
         };
         let lead = |s: &&Standing<'a>| {

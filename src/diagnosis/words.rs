@@ -12,6 +12,15 @@ pub fn place(joints: &[usize]) -> String {
     }
 }
 
+/// Where a cause acts, and when that is in one recording alone.
+pub fn acts(cause: &Cause) -> String {
+    let place = place(&cause.joints);
+    match &cause.recording {
+        Some(only) => format!("{place} in the {only} recording alone"),
+        None => place,
+    }
+}
+
 /// "1, 3"
 pub fn list(joints: &[usize]) -> String {
     joints.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")

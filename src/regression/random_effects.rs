@@ -68,9 +68,9 @@ impl JointMetric {
             return Vec::new();
         }
         let scaled = self.active.iter().map(|(i, root)| root * features[*i]);
-        let mut v = DVector::from_iterator(self.active.len(), scaled);
-        self.lower.solve_lower_triangular_unchecked_mut(&mut v);
-        v.data.into()
+        let mut v: Vec<f64> = scaled.collect();
+        kernels::solve_lower(self.lower.as_slice(), &mut v);
+        v
     }
 
     /// The most likely coefficients w of all features for a residual of which `taken` is taken up:

@@ -62,8 +62,10 @@ impl Sieve<'_> {
             let mut used: Vec<usize> = rivals.iter().map(|t| t.index).collect();
             let nearer = self.nearer(&left, tried, (&taken, changes))?;
             if let Some((best, equals)) = self.best(nearer) {
-                used = [&[best.index], equals.as_slice()].concat();
+                used = vec![best.index];
                 taken.push(changes[best.index].clone());
+                // What looked the same as an earlier one and is there beside it is another.
+                stand.iter_mut().for_each(|s: &mut Stands| s.equals.retain(|i| *i != best.index));
                 stand.push(Stands { index: best.index, equals });
                 (twin, left) = (best.twin, best.errors);
             }
@@ -152,7 +154,7 @@ impl Sieve<'_> {
         open.iter().filter(as_well).collect()
     }
 
-    /// The best, and which of the others are not surely worse.
+    /// The best, and which of the others it is not surely nearer than.
     fn best(&self, tried: Vec<Tried>) -> Option<(Tried, Vec<usize>)> {
         let units = self.units(&tried.first()?.errors, self.check);
         let summed = |t: &Tried| summed(&t.errors, &units);
@@ -160,12 +162,8 @@ impl Sieve<'_> {
         let mut tried = tried;
         tried.sort_by(|a, b| size(a).total_cmp(&size(b)));
         let best = tried.remove(0);
-        let least = summed(&best);
-        let is_worse = |t: &&Tried| {
-            let (dt, seed) = (self.check.dt, self.settings.seed);
-            interval(&summed(t), &least, dt, seed, share)[0] > 0.0
-        };
-        let equals = tried.iter().filter(|t| !is_worse(t)).map(|t| t.index).collect();
+        let as_near = |t: &&Tried| !self.is_nearer(&t.errors, &best.errors);
+        let equals = tried.iter().filter(as_near).map(|t| t.index).collect();
         Some((best, equals))
     }
 

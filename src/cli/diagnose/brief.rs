@@ -63,8 +63,10 @@ fn cause(c: &Cause) -> Vec<Vec<String>> {
         true => all,
         false => words::foremost(c).into_iter().collect(),
     };
-    let name = format!("{}, {}", c.effect, words::place(&c.joints));
+    let name = format!("{}, {}", c.effect, words::acts(c));
     let [sure, share] = [c.probability, c.shrink.fraction].map(words::percent);
+    // What is not in the check recording has nothing to take off there.
+    let share = if c.recording.is_some() { "-".into() } else { share };
     let first = |k: usize, text: &String| if k == 0 { text.clone() } else { String::new() };
     let row = |(k, cells): (usize, [String; 4])| {
         let [parameter, value, low, high] = cells;

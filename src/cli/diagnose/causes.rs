@@ -14,7 +14,7 @@ fn cause(c: &Cause) -> String {
     let mut text = format!(
         "{} at {}: probability {}\n",
         c.effect,
-        words::place(&c.joints),
+        words::acts(c),
         words::percent(c.probability)
     );
     let mut header = rows::PARAMETERS;

@@ -19,7 +19,7 @@ fn one(c: &Cause) -> Markup {
     let Checked { check_before_nm, check_after_nm, fraction, low, high } = c.shrink;
     let same: Vec<String> = c.equivalent.iter().map(rows::named).collect();
     html! {
-        h3 { (c.effect) " at " (words::place(&c.joints)) ": probability " (words::percent(c.probability)) }
+        h3 { (c.effect) " at " (words::acts(c)) ": probability " (words::percent(c.probability)) }
         p { (sentence(&c.cause)) }
         (table(&rows::PARAMETERS, 2, c.read().into_iter().map(rows::parameter)))
         p {
