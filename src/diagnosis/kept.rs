@@ -8,23 +8,23 @@ use quick_cache::sync::Cache;
 use super::observed::Series;
 use crate::regression::{Blocks, Raw};
 
-/// Room for what is kept of one kind, bytes: the columns of a minute of six joints take a third of it, and a machine of
-/// 8 GB has it for every kind.
+/// Room for what is kept of one kind, bytes: with it two recordings of 40 s of six joints are diagnosed in 0.8 GB, as fast as
+/// with any room.
 const ROOM: u64 = 256 << 20;
 /// What a column of a minute takes, bytes.
 const USUAL: u64 = 64 << 10;
 
 /// Values by key: where there is no room left, those that are asked for least go.
-pub struct Kept<T>(Cache<String, Sized<T>, Bytes>);
+pub struct Kept<T>(Cache<String, Entry<T>, Bytes>);
 
 /// A value and how much room it takes.
 #[derive(Debug)]
-struct Sized<T> {
+struct Entry<T> {
     value: Arc<T>,
     bytes: u64,
 }
 
-impl<T> Clone for Sized<T> {
+impl<T> Clone for Entry<T> {
     fn clone(&self) -> Self {
         Self { value: self.value.clone(), bytes: self.bytes }
     }
@@ -33,8 +33,8 @@ impl<T> Clone for Sized<T> {
 #[derive(Debug, Clone, Copy)]
 struct Bytes;
 
-impl<T> Weighter<String, Sized<T>> for Bytes {
-    fn weight(&self, key: &String, kept: &Sized<T>) -> u64 {
+impl<T> Weighter<String, Entry<T>> for Bytes {
+    fn weight(&self, key: &String, kept: &Entry<T>) -> u64 {
         kept.bytes + key.len() as u64
     }
 }
@@ -78,7 +78,7 @@ impl<T: Room> Kept<T> {
         // No lock is held meanwhile: it runs in parallel, and a thread that waits for its parts may come here again.
         let value = Arc::new(work_out());
         let bytes = (size_of::<f64>() * value.numbers()) as u64;
-        self.0.insert(key.into(), Sized { value: value.clone(), bytes });
+        self.0.insert(key.into(), Entry { value: value.clone(), bytes });
         value
     }
 }

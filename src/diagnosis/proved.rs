@@ -53,7 +53,7 @@ pub fn proved<'a>(
 }
 
 /// What is there to be proved, as terms of the model and as changes of the twin: causes that a search finds, what comes
-/// close to them, and what acts in several joints.
+/// close to them, what a search took up and gave up again, and what acts in several joints.
 fn offered<'a>(
     search: &Hypotheses<'a>,
     found: &Found<'a>,
@@ -63,7 +63,7 @@ fn offered<'a>(
     let standings = search.standings(&found.last);
     let near = standings.iter().flat_map(|s| near(search, s));
     let mut all: Vec<(Term, Change)> = Vec::new();
-    for offer in searched.chain(near).chain(several(search, &found.start)) {
+    for offer in searched.chain(near).chain(alone(search, [found, blind])) {
         if !all.iter().any(|(known, _)| known.candidate == offer.0.candidate) {
             all.push(offer);
         }
@@ -80,11 +80,15 @@ fn near(search: &Hypotheses<'_>, standing: &Standing<'_>) -> Vec<(Term, Change)>
     usable.filter_map(|h| changes(&h.fit).pop()).collect()
 }
 
-/// What acts in several joints, each alone: one of them may do what a search has a cause at every joint for.
-fn several<'a>(search: &Hypotheses<'a>, start: &Fit<'a>) -> Vec<(Term, Change)> {
-    let several = search.candidates.iter().filter(|c| c.extent() == Extent::Several);
-    let screened = screen(start, &several.copied().collect::<Vec<_>>());
-    let weighed = search.weigh(start, screened, WEIGHED).into_iter();
+/// What acts in several joints, each alone: one of them may do what a search has a cause at every joint for. And what was
+/// the best at some time: the steps that follow are linear as well.
+fn alone<'a>(search: &Hypotheses<'a>, [found, blind]: [&Found<'a>; 2]) -> Vec<(Term, Change)> {
+    let start = &found.start;
+    let rounds = [found, blind].into_iter().flat_map(|f| &f.rounds);
+    let added: Vec<Candidate> = rounds.flat_map(|r| r.added.iter().copied()).collect();
+    let offered = |c: &&Candidate| c.extent() == Extent::Several || added.contains(c);
+    let candidates: Vec<Candidate> = search.candidates.iter().filter(offered).copied().collect();
+    let weighed = search.weigh(start, screen(start, &candidates), WEIGHED).into_iter();
     let usable = weighed.filter(|h| h.at_bound.is_none() && h.nats > search.criteria.least_nats);
     usable.flat_map(|h| changes(&h.fit)).collect()
 }

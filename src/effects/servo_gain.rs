@@ -10,6 +10,8 @@ pub struct ServoGain;
 
 /// Registers come in powers of two, supplies within tens of percent.
 const EXPECTED: f64 = 0.5;
+/// Two steps of a register.
+const MOST: f64 = 3.0;
 
 static ABOUT: About = About {
     name: "servo_gain",
@@ -20,7 +22,7 @@ static ABOUT: About = About {
         symbol: "g",
         unit: "-",
         min: -1.0,
-        max: 1.0,
+        max: MOST,
         typical: 0.2,
         null: 0.0,
         role: Role::Linear,

@@ -54,7 +54,7 @@ pub fn diagnose(
     let [seen_fit, seen_check] = [fit, check].map(|s| linearised(&near, s, horizon_s));
     let (mut after, mut taken) = (refits.before.clone(), Vec::new());
     let mut proof = |found: &[Change]| {
-        let sieve = Sieve { fit: &fit_track, check: &check_track, refits: &refits, settings };
+        let sieve = Sieve { refits: &refits, check: &check_track, settings };
         let Sifted { stand, twin } = sieve.sift(found)?;
         taken = stand.iter().map(|s| found[s.index].clone()).collect();
         if !taken.is_empty() {

@@ -13,11 +13,10 @@ use super::{ServoError, Track, replay};
 use crate::diagnosis::{Change, Settings, Stands, interval};
 use crate::twin::Twin;
 
-/// The recording that changes are fitted to, and another command along which a change has to hold.
+/// Fits of changes to one recording, and another command along which a change has to hold.
 pub struct Sieve<'a> {
-    pub fit: &'a Track,
-    pub check: &'a Track,
     pub refits: &'a Refits<'a>,
+    pub check: &'a Track,
     pub settings: &'a Settings,
 }
 
@@ -39,8 +38,9 @@ struct Tried {
 
 impl Sieve<'_> {
     /// Which of `changes` take something sure off the simulated position's error along the command of `check`, taken
-    /// up one after the other. First comes what alone takes most off that along the command of `fit`; of what takes
-    /// as much the best along that of `check`, and the others are its equals as far as it is not surely better.
+    /// up one after the other. First comes what, fitted alone, takes most off that; of what takes as much the best beside
+    /// what there is already, and the others are its equals as far as it is not surely better. Many values always follow
+    /// the recording better that they are fitted to: that tells nothing.
     ///
     /// # Errors
     /// If the twin cannot be fitted or simulated.
@@ -89,18 +89,20 @@ impl Sieve<'_> {
         }
     }
 
-    /// Each change alone along the fitted recording, that with the smallest error first.
+    /// Each change alone, fitted to one recording: that with which the other is predicted best comes first.
     fn alone(&self, changes: &[Change]) -> Result<Vec<Tried>, ServoError> {
-        let before = errors(&self.refits.before.twin, self.fit)?;
-        let units = self.units(&before, self.fit);
+        let before = errors(&self.refits.before.twin, self.check)?;
+        let units = self.units(&before);
+        // Of a twin that runs away as given everything takes off as much.
         let size = |errors: &[Vec<f64>]| summed(errors, &units).iter().sum::<f64>();
+        let given = size(&before).min(f64::MAX);
         let (done, count) = (AtomicU64::new(0), changes.len() as u64);
         let tell = |done| self.refits.watch.tell("fitting by simulation, cause", done, count);
         let of = |(index, change): (usize, &Change)| -> Result<Tried, ServoError> {
             let twin = self.refits.alone(change)?;
-            let errors = errors(&twin, self.fit)?;
+            let errors = errors(&twin, self.check)?;
             tell(1 + done.fetch_add(1, Ordering::Relaxed));
-            Ok(Tried { index, twin, gain: size(&before) - size(&errors), errors })
+            Ok(Tried { index, twin, gain: given - size(&errors), errors })
         };
         let mut all: Vec<Tried> =
             changes.par_iter().enumerate().map(of).collect::<Result<_, _>>()?;
@@ -143,8 +145,7 @@ impl Sieve<'_> {
         Ok(tried)
     }
 
-    /// The first, and what alone takes as much off where it acts, as far as simulations are exact: more parameters always
-    /// take a little more off the recording that they are fitted to.
+    /// The first, and what alone takes as much off where it acts, as far as simulations are exact.
     fn rivals<'t>(&self, open: &'t [Tried], changes: &[Change]) -> Vec<&'t Tried> {
         let (first, inexact) = (&open[0], self.settings.criteria.least_gain_inexact);
         let as_well = |t: &&Tried| {
@@ -156,7 +157,7 @@ impl Sieve<'_> {
 
     /// The best, and which of the others it is not surely nearer than.
     fn best(&self, tried: Vec<Tried>) -> Option<(Tried, Vec<usize>)> {
-        let units = self.units(&tried.first()?.errors, self.check);
+        let units = self.units(&tried.first()?.errors);
         let summed = |t: &Tried| summed(&t.errors, &units);
         let size = |t: &Tried| summed(t).iter().sum::<f64>();
         let mut tried = tried;
@@ -168,9 +169,10 @@ impl Sieve<'_> {
     }
 
     /// What is left of each joint, rad, at least its rounding.
-    fn units(&self, left: &[Vec<f64>], track: &Track) -> Vec<f64> {
-        let least = track.resolution.iter().map(|r| r / 12f64.sqrt());
-        means(left).into_iter().zip(least).map(|(left, least)| left.max(least)).collect()
+    fn units(&self, left: &[Vec<f64>]) -> Vec<f64> {
+        let least = self.check.resolution.iter().map(|r| r / 12f64.sqrt());
+        let known = |left: f64| if left.is_finite() { left } else { 0.0 };
+        means(left).into_iter().zip(least).map(|(left, least)| known(left).max(least)).collect()
     }
 
     /// Do errors surely shrink, and by enough? Each joint counts in units of what is left of it.
@@ -180,7 +182,7 @@ impl Sieve<'_> {
         if !(moves(&before) && moves(&after)) {
             return moves(&after);
         }
-        let units = self.units(with, self.check);
+        let units = self.units(with);
         let [b, a] = [without, with].map(|errors| summed(errors, &units));
         let [low, _] = interval(&b, &a, self.check.dt, self.settings.seed, share);
         let largest = before.iter().zip(&after).map(|(b, a)| share(*b, *a)).fold(0.0, f64::max);

@@ -253,7 +253,7 @@ fn sifted(scenario: &str, effect: &str, open: &[&str], changes: &[Change]) -> Si
     open.iter().for_each(|name| drop(twin.values.remove(*name)));
     let refits = Refits::new(&twin, &fit, &()).unwrap();
     let settings = crate::diagnosis::Settings::default();
-    let sieve = Sieve { fit: &fit, check: &check, refits: &refits, settings: &settings };
+    let sieve = Sieve { refits: &refits, check: &check, settings: &settings };
     sieve.sift(changes).unwrap()
 }
 
