@@ -1,6 +1,6 @@
 //! Arms of position servos: command and position, no torque.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -92,8 +92,7 @@ fn a_real_arm_without_torque_is_mended() {
     }
 }
 
-/// One servo of hobby size and a known load, of Rhoban/bam: the weight comes back, and other gain registers are
-/// not taken for friction, for the logs say them.
+/// One servo of hobby size, of Rhoban/bam: what two logs tell predicts a third with another gain register better.
 #[test]
 fn a_real_servo_is_identified_by_simulation() {
     let Some(folder) = recordings("rhoban-bam_xl330") else { return };
@@ -122,4 +121,65 @@ fn a_real_servo_is_identified_by_simulation() {
     let [before, after] = ["before", "after"]
         .map(|k| method["check"][k][0]["joints"][0]["mean_abs_rad"].as_f64().unwrap());
     assert!(after < 0.05 && after < 0.7 * before, "{before} -> {after}");
+}
+
+/// Logs of one servo, what each says.
+fn servo_logs(folder: &Path) -> Vec<(PathBuf, Value)> {
+    let file = |entry: std::io::Result<std::fs::DirEntry>| entry.unwrap().path();
+    let log = |path: PathBuf| {
+        let text = flate2::read::GzDecoder::new(std::fs::File::open(&path).unwrap());
+        (path, serde_json::from_reader(text).unwrap())
+    };
+    let all = std::fs::read_dir(folder).unwrap().map(file);
+    let mut all: Vec<PathBuf> = all.filter(|f| f.extension().is_some_and(|e| e == "gz")).collect();
+    all.sort();
+    all.into_iter().map(log).collect()
+}
+
+/// Logs that say another gain register than the servo had: that is told, and is no friction.
+#[test]
+fn another_gain_register_is_no_friction() {
+    let Some(folder) = recordings("rhoban-bam_xl330") else { return };
+    let out = TempDir::new().unwrap();
+    let at = |name: &str| out.path().join(name).display().to_string();
+    let logs = servo_logs(&folder);
+    let fitted = logs.iter().filter(|(_, log)| {
+        let known = ["sin_sin", "lift_and_drop", "sin_time_square"];
+        [100, 400].contains(&log["kp"].as_i64().unwrap())
+            && known.contains(&log["trajectory"].as_str().unwrap())
+    });
+    let files: Vec<&str> = fitted.map(|(path, _)| path.to_str().unwrap()).collect();
+    let twin = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/twins/xl330_pendulum.toml");
+    let terms = "servo_gain,servo_damping,servo_delay,encoder_offset,rotor_inertia,coulomb,viscous,load_friction,\
+                 servo_friction";
+    let save = at("fitted.toml");
+    let how = ["--twin", twin, "--every-row", "--terms", terms, "--save-twin", &save];
+    let ran = armtwin(&[&["identify"], &files[..], &how].concat());
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    for (register, said) in [(200, 400), (800, 400), (200, 100)] {
+        let told = |motion: &str| {
+            let (_, log) = logs
+                .iter()
+                .find(|(_, log)| log["kp"] == register && log["trajectory"] == motion)
+                .unwrap();
+            let mut log = log.clone();
+            log["kp"] = said.into();
+            let file = at(&format!("{motion}.json"));
+            std::fs::write(&file, log.to_string()).unwrap();
+            file
+        };
+        let [fit, check] = ["sin_sin", "sin_time_square"].map(told);
+        let file = at("found.json");
+        let pair = ["diagnose", "--fit", &fit, "--check", &check, "--twin", &save, "--every-row"];
+        let ran = armtwin(&[&pair[..], &["--json", &file]].concat());
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        let found = json(Path::new(&file));
+        let causes = found["causes"].as_array().unwrap();
+        let names: Vec<&str> = causes.iter().map(|c| c["effect"].as_str().unwrap()).collect();
+        assert_eq!(names.first(), Some(&"servo_gain"), "{register} for {said}: {names:?}");
+        let friction =
+            ["friction", "coulomb", "viscous", "stribeck", "lugre", "maxwell", "presliding"];
+        let is_friction = |name: &&str| friction.iter().any(|part| name.contains(part));
+        assert!(!names.iter().any(|n| is_friction(&n)), "{register} for {said}: {names:?}");
+    }
 }
