@@ -217,9 +217,9 @@ mod tests {
             let v: Vec<f64> = (0..m).map(|i| (i as f64).cos()).collect();
             let mut solved = v.clone();
             solve_lower(&lower, &mut solved);
-            for i in 0..m {
+            for (i, v) in v.iter().enumerate() {
                 let made: f64 = (0..=i).map(|j| entry(i, j) * solved[j]).sum();
-                assert!((made - v[i]).abs() < 1e-12, "{made} {}", v[i]);
+                assert!((made - v).abs() < 1e-12, "{made} {v}");
             }
         }
     }

@@ -180,6 +180,6 @@ fn another_gain_register_is_no_friction() {
         let friction =
             ["friction", "coulomb", "viscous", "stribeck", "lugre", "maxwell", "presliding"];
         let is_friction = |name: &&str| friction.iter().any(|part| name.contains(part));
-        assert!(!names.iter().any(|n| is_friction(&n)), "{register} for {said}: {names:?}");
+        assert!(!names.iter().any(is_friction), "{register} for {said}: {names:?}");
     }
 }
