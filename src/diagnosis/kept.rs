@@ -5,7 +5,6 @@ use std::sync::Arc;
 use quick_cache::Weighter;
 use quick_cache::sync::Cache;
 
-use super::observed::Series;
 use crate::regression::{Blocks, Raw};
 
 /// Room for what is kept of one kind, bytes: with it two recordings of 40 s of six joints are diagnosed in 0.8 GB, as fast as
@@ -45,7 +44,8 @@ pub trait Room {
     fn numbers(&self) -> usize;
 }
 
-impl Room for Series {
+/// Columns over all samples, joint by joint.
+impl Room for Vec<Vec<Vec<f64>>> {
     fn numbers(&self) -> usize {
         self.iter().flatten().map(Vec::len).sum()
     }

@@ -248,9 +248,10 @@ fn proportions(
             let about = effect.about();
             let first = &about.parameters[0];
             let way = if first.min < 0.0 { sign(rng) } else { 1.0 };
+            let most = if way < 0.0 { -first.min } else { first.max };
             let values = about.parameters.iter().map(|p| way * p.typical).collect();
             let force = first.unit.starts_with('N') || first.unit.starts_with("kg");
-            (values, factor(&[0], 0.9 * first.max * if force { scale } else { 1.0 }))
+            (values, factor(&[0], 0.9 * most * if force { scale } else { 1.0 }))
         }
     }
 }
