@@ -141,7 +141,7 @@ pub struct Cause {
     /// Is a value changed that the twin states?
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub replaces: Option<Replaced>,
-    /// The recording it acts in (`fit`, `check`) where it is not in both.
+    /// The recording that shows it (`fit`, `check`) where one alone does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub recording: Option<String>,
     /// Does a search of the fit recording alone find it too?

@@ -56,17 +56,17 @@ impl<'a> Standing<'a> {
     /// their best, over that without it, less 1/2 ln n for each that they tell (Schwarz, Ann. Stat. 6, 1978), nats.
     /// Values that the data do not call for are none: an effect is not less there for what it could be besides.
     pub fn shown(&self, h: &Hypothesis<'a>) -> f64 {
-        let rows: f64 = (0..self.without.data.joints()).map(|j| self.without.data.count(j)).sum();
+        let data = self.without.data;
+        let rows: f64 = (0..data.joints()).map(|j| data.count(j)).sum();
         let price = 0.5 * rows.max(1.0).ln();
+        let fit = |term: &Term| {
+            Fit::new(data, self.without.model.with(term.clone()), h.fit.sizes.clone())
+        };
         let term = Term { free: true, ..h.trial.term() };
-        let whole =
-            Fit::new(self.without.data, self.without.model.with(term.clone()), h.fit.sizes.clone());
-        let called_for = called_for(&whole, term.clone(), price);
-        let all = self.shown_by(h, &term, whole, price);
-        let Some(few) = called_for else { return all };
-        let model = self.without.model.with(few.clone());
-        let fewer = Fit::new(self.without.data, model, h.fit.sizes.clone());
-        all.max(self.shown_by(h, &few, fewer, price))
+        let whole = fit(&term);
+        let few = called_for(&whole, term.clone(), price);
+        let few = few.map_or(f64::NEG_INFINITY, |few| self.shown_by(h, &few, fit(&few), price));
+        self.shown_by(h, &term, whole, price).max(few)
     }
 
     /// By a fit with `term`, beside the discrepancy that it leaves or that the cause leaves: a narrow expectation

@@ -1,6 +1,7 @@
 //! The sim-to-real gap: where it lies, which effect causes it, how far it shrinks.
 
 mod answer;
+mod blind;
 mod bootstrap;
 mod bound;
 mod built;

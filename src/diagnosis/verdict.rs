@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::answer::{Replaced, Unexplained};
-use super::called::{Blind, Called, called};
+use super::blind::Blind;
+use super::called::{Called, called};
 use super::candidate::{Candidate, Place};
 use super::criteria::Criteria;
 use super::episodes::{Episode, episodes};

@@ -12,11 +12,11 @@ pub fn place(joints: &[usize]) -> String {
     }
 }
 
-/// Where a cause acts, and when that is in one recording alone.
+/// Where a cause acts, and which recording shows it where one alone does: the other may lack the cause, or the motion.
 pub fn acts(cause: &Cause) -> String {
     let place = place(&cause.joints);
     match &cause.recording {
-        Some(only) => format!("{place} in the {only} recording alone"),
+        Some(only) => format!("{place}, seen in the {only} recording alone"),
         None => place,
     }
 }

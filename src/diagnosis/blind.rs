@@ -1,0 +1,129 @@
+//! What a search that has not seen the check recording chooses.
+
+use std::cell::OnceCell;
+
+use super::candidate::{Candidate, Place};
+use super::hypotheses::{Hypotheses, Hypothesis, Standing};
+use super::judge::Gain;
+use super::ranking::{is_equal, is_mine};
+use super::search::Found;
+
+/// What a search of the fit recording alone finds, and cannot tell from it.
+pub struct Blind<'s, 'b> {
+    search: &'s Hypotheses<'b>,
+    found: &'s Found<'b>,
+    /// Its causes among their rivals, as far as they were asked for.
+    standings: Vec<OnceCell<Standing<'b>>>,
+}
+
+impl<'s, 'b> Blind<'s, 'b> {
+    pub fn new(search: &'s Hypotheses<'b>, found: &'s Found<'b>) -> Self {
+        let causes = found.last.model.causes.iter();
+        Self { search, found, standings: causes.map(|_| OnceCell::new()).collect() }
+    }
+
+    /// Is a cause among these, or what looks the same as it? Or does it look the same, in the fit recording, as one of
+    /// these: then the check recording has told which of them it is.
+    pub fn chooses(&self, standing: &Standing<'_>, gain: &Gain) -> bool {
+        let criteria = &self.search.criteria;
+        let cause = standing.cause().candidate();
+        let own: Vec<Candidate> =
+            self.found.last.model.causes.iter().map(|t| t.candidate).collect();
+        let mine =
+            |h: &&Hypothesis<'_>| is_mine(standing, h) || is_equal(standing, gain, h, criteria);
+        let is_own = |h: &Hypothesis<'_>| own.iter().any(|c| is_same(h.candidate(), *c));
+        let looks_alike = |k: usize| {
+            let other = self.standing(k);
+            let equal = |h: &&Hypothesis<'_>| is_equal(other, gain, h, criteria);
+            other.ranked.iter().filter(equal).any(|h| is_same(h.candidate(), cause))
+        };
+        let here = |k: &usize| own[*k].extent() == cause.extent();
+        standing.ranked.iter().filter(mine).any(is_own)
+            || (0..own.len()).filter(here).any(looks_alike)
+    }
+
+    fn standing(&self, k: usize) -> &Standing<'b> {
+        self.standings[k].get_or_init(|| self.search.standing(&self.found.last, k))
+    }
+}
+
+/// What acts in the whole arm is also there where it was found at a joint, and the other way round.
+fn is_same(a: Candidate, b: Candidate) -> bool {
+    let either = a.place == Place::Arm || b.place == Place::Arm;
+    a.name() == b.name() && (a.place == b.place || either)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::Checked;
+    use crate::diagnosis::candidate::Term;
+    use crate::diagnosis::criteria::Criteria;
+    use crate::diagnosis::data::Data;
+    use crate::diagnosis::fit::Fit;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::model::Model;
+    use crate::diagnosis::observed::Observed;
+    use crate::diagnosis::trial;
+    use crate::effects::find;
+    use crate::signals::testing::{noisy, samples};
+    use crate::twin::Twin;
+
+    const JOINT: usize = 1;
+    const OFFSET_NM: f64 = 1.5;
+
+    /// A law that is not exact, and takes half of what is left off the check recording.
+    fn inexact() -> Gain {
+        let shrink = Checked {
+            check_before_nm: 1.0,
+            check_after_nm: 0.7,
+            fraction: 0.5,
+            low: 0.4,
+            high: 0.6,
+        };
+        Gain { shrink, where_exact: 0.0, where_inexact: 0.5, acts: true }
+    }
+
+    /// Does a search that found `blind` choose an offset at `JOINT`?
+    fn chooses(blind: Candidate) -> bool {
+        let twin = Twin::default();
+        let mut made = samples(6, 3000, |j, t| 0.7 * ((1.1 + 0.2 * j as f64) * t).sin());
+        made.torque = twin.torque(&twin.motion(&made));
+        made.torque.joint_mut(JOINT).iter_mut().for_each(|t| *t += OFFSET_NM);
+        noisy(&mut made, 0.3);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let data = Data::plain(vec![&observed]);
+        let offset = at(JOINT, "current_offset");
+        let candidates = vec![offset, at(JOINT, "coulomb_asymmetry"), at(0, "coulomb_asymmetry")];
+        let all = Hypotheses { data: &data, candidates, criteria: Criteria::default() };
+        let start = Fit::plain(&data, Model::of(&twin));
+        let with = |c: Candidate| {
+            let starts = c.starts(&start.motion(), &twin);
+            let term = trial::tried(&start, &Term::new(c, starts[0].clone())).term();
+            Fit::plain(&data, start.model.with(term))
+        };
+        let found = Found {
+            start: start.clone(),
+            last: with(blind),
+            rounds: Vec::new(),
+            screened: Vec::new(),
+        };
+        let mut standing = all.standing(&with(offset), 0);
+        // Of the two recordings together the offset is surely the better name.
+        standing.ranked.retain(|h| h.candidate() == offset);
+        standing.index = 0;
+        Blind::new(&all, &found).chooses(&standing, &inexact())
+    }
+
+    fn at(joint: usize, name: &str) -> Candidate {
+        Candidate::new(find(name).unwrap(), Place::Joint(joint))
+    }
+
+    #[test]
+    fn a_search_chooses_what_it_found_and_what_it_cannot_tell_from_that() {
+        assert!(chooses(at(JOINT, "current_offset")));
+        assert!(chooses(at(JOINT, "coulomb_asymmetry")));
+        assert!(!chooses(at(0, "coulomb_asymmetry")));
+    }
+}
