@@ -41,7 +41,8 @@ pub struct Diagnosis {
     pub gap: Gap,
     /// Accepted, what takes most off the gap first.
     pub causes: Vec<Cause>,
-    /// In the mended twin and no causes: the intervals of their values hold that they are absent.
+    /// In the mended twin and no causes: the intervals of their values hold that they are absent, or the fit recording
+    /// alone does not show them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub adjustments: Vec<Cause>,
     pub shrink: Shrink,

@@ -2,10 +2,10 @@
 
 use std::cell::OnceCell;
 
-use super::candidate::{Candidate, Place};
+use super::candidate::{Candidate, Place, Term};
 use super::hypotheses::{Hypotheses, Hypothesis, Standing};
 use super::judge::Gain;
-use super::ranking::{is_equal, is_mine};
+use super::ranking::is_equal;
 use super::search::Found;
 
 /// What a search of the fit recording alone finds, and cannot tell from it.
@@ -23,23 +23,26 @@ impl<'s, 'b> Blind<'s, 'b> {
     }
 
     /// Is a cause among these, or what looks the same as it? Or does it look the same, in the fit recording, as one of
-    /// these: then the check recording has told which of them it is.
+    /// these: then the check recording has told which of them it is. Each search also weighs what the other found, at
+    /// its values: where a search comes to is by chance.
     pub fn chooses(&self, standing: &Standing<'_>, gain: &Gain) -> bool {
+        let cause = standing.cause();
+        let own = &self.found.last.model.causes;
+        let meets = |k: &usize| own[*k].candidate.extent().meets(cause.candidate().extent());
+        (0..own.len()).filter(meets).any(|k| {
+            is_same(own[k].candidate, cause.candidate())
+                || self.looks_like(standing, &own[k], gain)
+                || self.looks_like(self.standing(k), &cause.trial.term(), gain)
+        })
+    }
+
+    /// Does `term` look the same as the cause of `standing`, as that search has found it or at these values?
+    fn looks_like(&self, standing: &Standing<'_>, term: &Term, gain: &Gain) -> bool {
         let criteria = &self.search.criteria;
-        let cause = standing.cause().candidate();
-        let own: Vec<Candidate> =
-            self.found.last.model.causes.iter().map(|t| t.candidate).collect();
-        let mine =
-            |h: &&Hypothesis<'_>| is_mine(standing, h) || is_equal(standing, gain, h, criteria);
-        let is_own = |h: &Hypothesis<'_>| own.iter().any(|c| is_same(h.candidate(), *c));
-        let looks_alike = |k: usize| {
-            let other = self.standing(k);
-            let equal = |h: &&Hypothesis<'_>| is_equal(other, gain, h, criteria);
-            other.ranked.iter().filter(equal).any(|h| is_same(h.candidate(), cause))
-        };
-        let here = |k: &usize| own[*k].extent() == cause.extent();
-        standing.ranked.iter().filter(mine).any(is_own)
-            || (0..own.len()).filter(here).any(looks_alike)
+        let equal = |h: &Hypothesis<'_>| is_equal(standing, gain, h, criteria);
+        let found = |h: &&Hypothesis<'_>| is_same(h.candidate(), term.candidate);
+        standing.ranked.iter().filter(found).any(equal)
+            || equal(&self.search.tried(&standing.without, &standing.cause().fit.sizes, term))
     }
 
     fn standing(&self, k: usize) -> &Standing<'b> {
@@ -57,7 +60,6 @@ fn is_same(a: Candidate, b: Candidate) -> bool {
 mod tests {
     use super::*;
     use crate::diagnosis::Checked;
-    use crate::diagnosis::candidate::Term;
     use crate::diagnosis::criteria::Criteria;
     use crate::diagnosis::data::Data;
     use crate::diagnosis::fit::Fit;

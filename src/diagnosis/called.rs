@@ -15,7 +15,8 @@ pub struct Called<'a> {
     pub fit: Fit<'a>,
     pub standings: Vec<Standing<'a>>,
     pub gains: Vec<Gain>,
-    /// What both recordings show together, and the fit recording alone does not.
+    /// Those of them that both recordings show together, and the fit recording alone does not: they are in the model,
+    /// and have no name of their own.
     pub unconfirmed: Vec<Candidate>,
     /// Where a proof decided: what it cannot tell from each cause.
     pub equals: Option<Vec<Vec<Candidate>>>,
@@ -31,7 +32,7 @@ pub fn called<'a>(
     blind: &Blind<'_, '_>,
 ) -> Called<'a> {
     let mut fit = found.last.clone();
-    let (mut rejected, mut unconfirmed) = (Vec::new(), Vec::new());
+    let mut rejected = Vec::new();
     loop {
         // What costs least to see comes first.
         let count = fit.model.causes.len();
@@ -51,12 +52,9 @@ pub fn called<'a>(
         let law = |i: &usize| {
             gains[*i].needs_replication(fit.model.causes[*i].candidate, &search.criteria)
         };
-        let is_open = |i: &usize| law(i) && !chosen(i);
-        let Some(i) = (0..count).filter(is_open).min_by(least) else {
-            return Called { fit, standings, gains, unconfirmed, equals: None };
-        };
-        unconfirmed.push(fit.model.causes[i].candidate);
-        fit = search.without(&fit, i);
+        let open = (0..count).filter(|i| law(i) && !chosen(i));
+        let unconfirmed = open.map(|i| fit.model.causes[i].candidate).collect();
+        return Called { fit, standings, gains, unconfirmed, equals: None };
     }
 }
 
@@ -75,6 +73,9 @@ fn corrected<'a>(
         let bound = standings[*i].cause().at_bound.is_some() || is_impossible(fit, *i);
         bound || probability(&standings[*i], &gains[*i], criteria) <= 0.5
     };
+    if let Some(inside) = tamed(fit, standings) {
+        return Some(inside);
+    }
     let nats = |i: &usize| standings[*i].cause().nats;
     let weakest = (0..standings.len()).filter(fails).min_by(|a, b| nats(a).total_cmp(&nats(b)));
     let next = |standing: &Standing<'a>, rejected: &[Candidate], least: f64| {
@@ -102,7 +103,16 @@ fn corrected<'a>(
     })
 }
 
-/// Is a linear value of cause `i` beyond what it can be?
+/// The fit with a cause inside its range that a search let wander out of it, where that is as good.
+fn tamed<'a>(fit: &Fit<'a>, standings: &[Standing<'a>]) -> Option<Fit<'a>> {
+    let inside = |h: &&Hypothesis<'a>| {
+        h.at_bound.is_none() && !is_impossible(&h.fit, h.fit.model.causes.len() - 1)
+    };
+    let wandered = (0..standings.len()).filter(|i| is_impossible(fit, *i));
+    wandered.map(|i| standings[i].cause()).find(inside).map(|h| h.fit.clone())
+}
+
+/// Is a linear value of cause `i` beyond what it can be, or none of them what makes the effect?
 fn is_impossible(fit: &Fit<'_>, i: usize) -> bool {
     let candidate = fit.model.causes[i].candidate;
     let values = fit.values(i);
@@ -112,10 +122,104 @@ fn is_impossible(fit: &Fit<'_>, i: usize) -> bool {
         let slack = 1e-6 * (max - min);
         *v < min - slack || *v > max + slack
     };
-    // The first one makes the effect what it is.
-    linear.iter().enumerate().any(beyond)
-        || linear.first().is_some_and(|v| {
-            let [min, _] = candidate.range(0, fit.data.twin);
-            min == 0.0 && *v <= 0.0
-        })
+    linear.iter().enumerate().any(beyond) || !(linear.is_empty() || candidate.is_itself(linear))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::Settings;
+    use crate::diagnosis::candidate::{Place, Term};
+    use crate::diagnosis::criteria::Criteria;
+    use crate::diagnosis::data::Data;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::model::Model;
+    use crate::diagnosis::observed::Observed;
+    use crate::effects::find;
+    use crate::signals::Samples;
+    use crate::signals::testing::{noisy, samples};
+    use crate::twin::Twin;
+
+    const JOINT: usize = 1;
+    const OFFSET_NM: f64 = 2.0;
+    const NOISE_NM: f64 = 0.3;
+
+    /// An arm with an offset at a joint, and there something that no law describes.
+    fn recorded(speed: f64) -> Samples {
+        let twin = Twin::default();
+        let mut made = samples(6, 4000, |j, t| 0.7 * ((speed + 0.2 * j as f64) * t).sin());
+        made.torque = twin.torque(&twin.motion(&made));
+        let (own, next) = (made.q.joint(JOINT).to_vec(), made.q.joint(JOINT + 1).to_vec());
+        let odd = own.iter().zip(&next).map(|(a, b)| (3.0 * a + 2.0 * b).sin());
+        let torque = made.torque.joint_mut(JOINT).iter_mut();
+        torque.zip(odd).for_each(|(t, odd)| *t += OFFSET_NM + odd);
+        noisy(&mut made, NOISE_NM);
+        made
+    }
+
+    /// A search that finds a candidate, or nothing.
+    fn found<'a>(search: &Hypotheses<'a>, candidate: Option<Candidate>) -> Found<'a> {
+        let joints: Vec<usize> = (0..6).collect();
+        let fitted = |model: Model| search.tuned(Fit::plain(search.data, model), &joints);
+        let start = fitted(Model::of(search.data.twin));
+        let with = |c: Candidate| fitted(start.model.with(Term::new(c, vec![])));
+        let last = candidate.map_or_else(|| start.clone(), with);
+        Found { start, last, rounds: vec![], screened: vec![] }
+    }
+
+    /// What is called where the search of the fit recording alone finds the offset, or nothing.
+    fn found_by(both: bool) -> (Vec<Candidate>, Vec<Candidate>) {
+        let twin = Twin::default();
+        let made = [recorded(1.1), recorded(1.4)];
+        let floors = made.each_ref().map(|s| noise_floor(s, &twin));
+        let [fit, check] = [0, 1].map(|i| Observed::new(i, &twin, &made[i], &floors[i]).unwrap());
+        let settings = Settings::default();
+        let [one, other, all] =
+            [vec![&fit], vec![&check], vec![&fit, &check]].map(|parts| Data::new(parts, &settings));
+        let offset = Candidate::new(find("current_offset").unwrap(), Place::Joint(JOINT));
+        let search =
+            |data| Hypotheses { data, candidates: vec![offset], criteria: Criteria::default() };
+        let [alone, search] = [search(&one), search(&all)];
+        let judge = Judge { fit: &one, check: &other, criteria: Criteria::default() };
+        let [own, found] = [found(&alone, both.then_some(offset)), found(&search, Some(offset))];
+        let called = called(&search, &judge, &found, &Blind::new(&alone, &own));
+        let causes = called.fit.model.causes.iter().map(|t| t.candidate).collect();
+        (causes, called.unconfirmed)
+    }
+
+    #[test]
+    fn what_the_fit_recording_alone_does_not_show_stays_in_the_model_without_a_name() {
+        let [(there, none), (too, open)] = [true, false].map(found_by);
+        assert_eq!((there.len(), none.len()), (1, 0));
+        assert_eq!((too.len(), open.len()), (1, 1));
+    }
+
+    /// LuGre friction whose bristles move within a third of a milliradian: how they are damped hardly shows, here
+    /// with the wrong sign.
+    #[test]
+    fn a_value_that_wandered_out_of_its_range_is_taken_inside() {
+        let twin = Twin::default();
+        let mut made = samples(6, 4000, |j, t| 0.7 * ((1.1 + 0.2 * j as f64) * t).sin());
+        let lugre = find("lugre").unwrap();
+        let (motion, shape) = (twin.motion(&made), vec![3e-4, 0.5, 0.1]);
+        let [bristle, rate] = &lugre.columns(&motion, JOINT, &shape)[..] else { panic!() };
+        let friction = bristle.iter().zip(rate).map(|(z, rate)| 6.0 * z - 10.0 * rate);
+        let friction: Vec<f64> = friction.collect();
+        let mut torque = twin.torque(&motion);
+        torque.joint_mut(JOINT).iter_mut().zip(friction).for_each(|(t, f)| *t += f);
+        made.torque = torque;
+        noisy(&mut made, NOISE_NM);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let data = Data::plain(vec![&observed]);
+        let candidate = Candidate::new(lugre, Place::Joint(JOINT));
+        let search =
+            Hypotheses { data: &data, candidates: vec![candidate], criteria: Criteria::default() };
+        let model = Model::of(&twin).with(Term::new(candidate, shape));
+        let fit = Fit::plain(&data, model);
+        assert!(is_impossible(&fit, 0), "{:?}", fit.values(0));
+        let inside = tamed(&fit, &search.standings(&fit)).unwrap();
+        let [level, damping] = [0, 1].map(|k| inside.values(0)[k]);
+        assert!((level - 6.0).abs() < 0.3 && damping == 0.0, "{level} {damping}");
+    }
 }

@@ -1,7 +1,7 @@
 //! The model discrepancy: what a twin of this kind may leave out, whatever the law.
 //!
-//! Per joint a smooth function of the motion of any shape, masses as far as they are known, and what
-//! changes slowly in time, each of a size that the data decide (Kennedy and O'Hagan, "Bayesian
+//! Per joint a smooth function of the motion of any shape, masses as far as they are known, what changes slowly in
+//! time, and friction that is another on another day, each of a size that the data decide (Kennedy and O'Hagan, "Bayesian
 //! calibration of computer models", J. R. Stat. Soc. B 63, 2001): on an exact twin it goes to
 //! nothing, on a real arm it is what is always left. A cause has to earn its place beside it, which
 //! a law does where one number holds for many poses, or where it jumps.
@@ -13,13 +13,15 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::Settings;
+use super::model::Model;
 use super::observed::Observed;
+use crate::effects::Motion;
 use crate::regression::random_effects::Features;
 use crate::robot::{Body, body_regressor_series};
 use crate::signals::central_difference;
 
 /// Groups, each with a size of its own.
-pub const GROUPS: [&str; 4] = ["posture", "masses", "timing", "time"];
+pub const GROUPS: [&str; 5] = ["posture", "masses", "timing", "time", "friction"];
 /// The place of "masses" among them.
 pub const MASSES: usize = 1;
 /// Groups whose size is known beforehand: no larger than the features as they come.
@@ -102,7 +104,8 @@ impl<'a> Discrepancy<'a> {
             };
             let mut made: Vec<Vec<f64>> = (0..count).map(of).collect();
             let known = KNOWN.contains(name);
-            let sd = normalise(&mut made, known);
+            // Of what the twin leaves open, the mean belongs to it.
+            let sd = normalise(&mut made, known, *name != "friction");
             if known {
                 largest.push((g, sd / noise.max(f64::MIN_POSITIVE)));
             }
@@ -132,7 +135,8 @@ impl<'a> Discrepancy<'a> {
             "posture" => self.posture(part),
             "masses" => self.masses(part, joint),
             "timing" => self.timing(part, joint),
-            _ => self.time(part),
+            "time" => self.time(part),
+            _ => self.friction(part, joint),
         }
     }
 
@@ -198,6 +202,23 @@ impl<'a> Discrepancy<'a> {
         }
         all
     }
+
+    /// The friction that the twin leaves open, in each recording by itself: gears that are warmer have less.
+    fn friction(&self, part: usize, joint: usize) -> Vec<Series> {
+        let here = self.parts[part];
+        let laden = here.twin.laden();
+        let rigid = here.rigid(&laden);
+        let motion =
+            Motion { known: Some(&here.known), rigid: Some(&rigid), ..here.motion(&laden) };
+        let model = Model::of(here.twin);
+        let open = model.open.iter().filter(|t| t.candidate.effect.about().dissipates);
+        let columns =
+            open.flat_map(|t| t.series(&motion, here.index)).map(|mut c| c.swap_remove(joint));
+        let columns: Vec<Series> = columns.filter(|c| !c.is_empty()).collect();
+        let none = vec![vec![0.0; here.samples.len()]; columns.len()];
+        let of = |p: usize| if p == part { columns.clone() } else { none.clone() };
+        (0..self.parts.len()).flat_map(of).collect()
+    }
 }
 
 /// How far mass (kg) and first moments (kg.m) of a link may be off, standard deviations.
@@ -215,14 +236,17 @@ fn spread(x: &[f64]) -> [f64; 2] {
     [mean, variance.sqrt()]
 }
 
-/// Columns without their means, so that a constant is no part of them, and such that a group of
+/// Columns, `centred` without their means, so that a constant is no part of them, and such that a group of
 /// size 1 has variance 1 over the rows: every column alike, or `together` as they come. Returns the
 /// standard deviation of the group before that.
-fn normalise(columns: &mut [Vec<f64>], together: bool) -> f64 {
+fn normalise(columns: &mut [Vec<f64>], together: bool, centred: bool) -> f64 {
     let count = columns.len().max(1) as f64;
     let mut sum = 0.0;
     for column in columns.iter_mut() {
-        let [mean, sd] = spread(column);
+        let [mean, sd] = match (centred, spread(column)) {
+            (true, about_its_mean) => about_its_mean,
+            (false, [mean, sd]) => [0.0, mean.hypot(sd)],
+        };
         let scale = match together {
             true => 1.0,
             false if sd > 1e-9 * mean.abs() && sd > 0.0 => 1.0 / (sd * count.sqrt()),
@@ -235,4 +259,51 @@ fn normalise(columns: &mut [Vec<f64>], together: bool) -> f64 {
         columns.iter_mut().flatten().for_each(|v| *v /= sum.sqrt());
     }
     sum.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::data::Data;
+    use crate::diagnosis::fit::Fit;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::signals::Samples;
+    use crate::signals::testing::{noisy, samples};
+    use crate::twin::Twin;
+
+    const JOINT: usize = 2;
+    const FRICTION: usize = 4;
+
+    /// A run of an arm with viscous friction of `viscous` N.m.s/rad at `JOINT`.
+    fn recorded(speed: f64, viscous: f64) -> Samples {
+        let mut arm = Twin::default();
+        let mut values = vec![8.0; 6];
+        values[JOINT] = viscous;
+        arm.values.insert("viscous".into(), values);
+        let mut made = samples(6, 4000, |j, t| 0.6 * ((speed + 0.1 * j as f64) * t).sin());
+        made.torque = arm.torque(&arm.motion(&made));
+        noisy(&mut made, 0.2);
+        made
+    }
+
+    /// Size of the group of friction at every joint, where the twin leaves viscous friction open.
+    fn sizes(viscous: [f64; 2]) -> Vec<u8> {
+        let twin = Twin { effects: vec!["viscous".into()], ..Twin::default() };
+        let made = [recorded(0.9, viscous[0]), recorded(1.3, viscous[1])];
+        let floors = made.each_ref().map(|s| noise_floor(s, &twin));
+        let [fit, check] = [0, 1].map(|i| Observed::new(i, &twin, &made[i], &floors[i]).unwrap());
+        let data = Data::new(vec![&fit, &check], &Settings::default());
+        let all: Vec<usize> = (0..6).collect();
+        let sizes = Fit::plain(&data, Model::of(&twin)).likely_sizes(&all);
+        sizes.iter().map(|joint| joint[FRICTION]).collect()
+    }
+
+    #[test]
+    fn friction_that_is_another_in_another_recording_has_a_place() {
+        assert_eq!(GROUPS[FRICTION], "friction");
+        assert_eq!(sizes([8.0, 8.0]), [0; 6]);
+        let warm = sizes([9.0, 7.0]);
+        let others = (0..6).filter(|j| *j != JOINT);
+        assert!(warm[JOINT] > 0 && others.into_iter().all(|j| warm[j] == 0), "{warm:?}");
+    }
 }

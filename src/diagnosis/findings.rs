@@ -15,11 +15,11 @@ pub struct Findings<'a> {
     /// The search of both recordings.
     pub search: &'a Hypotheses<'a>,
     pub found: Found<'a>,
-    /// The fit with the causes that are called causes.
+    /// The fit with the causes that are called causes, and those that are `unconfirmed`.
     pub last: Fit<'a>,
     pub standings: Vec<Standing<'a>>,
     pub gains: Vec<Gain>,
-    /// What both recordings show together, and the fit recording alone does not.
+    /// Causes that both recordings show together, and the fit recording alone does not.
     pub unconfirmed: Vec<Candidate>,
     /// Where a proof decided: what it cannot tell from each cause.
     pub equals: Option<Vec<Vec<Candidate>>>,

@@ -186,15 +186,14 @@ impl<'a> Hypotheses<'a> {
     }
 
     fn adopted(&self, state: &Fit<'a>, beside: &Fit<'a>, trial: Trial) -> Hypothesis<'a> {
+        let touched = self.touched(trial.candidate);
         let adopted = Adopted::new(beside, trial);
-        let adopted = if adopted.at_bound.is_some() {
-            adopted.inside(self.criteria.least_nats)
-        } else {
-            adopted
-        };
+        // What costs no more than tells nothing is not pressed against.
+        let exact = touched.iter().all(|j| adopted.fit.metric.joints[*j].is_plain());
+        let nats = adopted.fit.ln_evidence() - state.ln_evidence();
+        let adopted = adopted.inside(self.criteria.margin(nats, exact));
         let Adopted { trial, fit, at_bound, .. } = adopted;
         // From either side: sizes may stay at what is best nearby.
-        let touched = self.touched(trial.candidate);
         let sides = [
             self.tuned(fit.clone().beside(state.sizes.clone()), &touched),
             self.tuned(fit, &touched),
@@ -204,6 +203,12 @@ impl<'a> Hypotheses<'a> {
         let fit = if large { from_large } else { from_small };
         let nats = fit.ln_evidence() - state.ln_evidence() - self.ln_rivals();
         Hypothesis { trial, fit, nats, at_bound }
+    }
+
+    /// A term at its values, added to a state; a discrepancy of these sizes may be beside it.
+    pub fn tried(&self, state: &Fit<'a>, sizes: &[Vec<u8>], term: &Term) -> Hypothesis<'a> {
+        let beside = state.clone().beside(sizes.to_vec());
+        self.adopted(state, &beside, trial::tried(state, term))
     }
 
     /// The fit without cause `i`, beside the discrepancy that this leaves.
@@ -237,9 +242,7 @@ impl<'a> Hypotheses<'a> {
         let cause = &last.model.causes[i];
         let without = self.without(last, i);
         let mut ranked = self.rivals(last, &without, cause.candidate, WEIGHED);
-        let trial = trial::tried(&without, cause);
-        let beside = without.clone().beside(last.sizes.clone());
-        ranked.push(self.adopted(&without, &beside, trial));
+        ranked.push(self.tried(&without, &last.sizes, cause));
         ranked.sort_by(|a, b| b.nats.total_cmp(&a.nats));
         let mine = |h: &Hypothesis| h.candidate() == cause.candidate;
         let index = ranked.iter().position(mine).unwrap_or_default();

@@ -6,6 +6,9 @@
 //! scale of all torque, a parameter beside the others: what weighs is as uncertain as the scale it is
 //! weighed with. The ends of a window of time are told otherwise (`windows`).
 
+use nalgebra::{Cholesky, DMatrix, DVector};
+use statrs::function::gamma::gamma_lr;
+
 use super::candidate::{Candidate, Extent};
 use super::discrepancy::MASSES;
 use super::fit::Fit;
@@ -98,6 +101,34 @@ pub fn may_be_absent(effect: &dyn Effect, values: &[Value]) -> bool {
         Some(_) => linear.all(holds),
         None => all.first().is_some_and(holds),
     }
+}
+
+/// May all linear values of cause `i` be none at once? Of values that stand in for each other every interval may hold
+/// none, and yet one of them is there (Scheffe, "The analysis of variance", 1959, section 3.5). One value alone is told
+/// by its interval.
+pub fn may_all_be_none(fit: &Fit<'_>, i: usize) -> bool {
+    let (systems, places) = information(fit);
+    let columns: Vec<usize> =
+        places[i][..fit.model.causes[i].candidate.linear()].iter().flatten().copied().collect();
+    let n = columns.len();
+    if n < 2 {
+        return true;
+    }
+    let variance = |a: usize, b: usize, sign: f64| {
+        let [a, b] = [columns[a], columns[b]];
+        systems.all.variance_along(&[(a, 1.0), (b, sign)])
+    };
+    let covariance = DMatrix::from_fn(n, n, |a, b| match a == b {
+        true => systems.all.variance_along(&[(columns[a], 1.0)]),
+        false => 0.25 * (variance(a, b, 1.0) - variance(a, b, -1.0)),
+    });
+    let values = DVector::from_column_slice(&fit.values(i)[..n]);
+    let Some(along) = Cholesky::new(covariance).map(|c| c.solve(&values)) else { return true };
+    let direction: Vec<(usize, f64)> = columns.into_iter().zip(along.iter().copied()).collect();
+    // How far off none they are, in the deviations of what tells that best: chi-square with n degrees of freedom.
+    let deviation = half_width(&systems, &direction) / normal_quantile(1.0 - LEVEL);
+    let far = along.dot(&values) / deviation.max(f64::MIN_POSITIVE);
+    gamma_lr(0.5 * n as f64, 0.5 * far.powi(2)) <= LEVEL
 }
 
 /// Column of each parameter, cause by cause; `None` where it was not searched.
@@ -254,5 +285,30 @@ mod tests {
         let delay = find("time_delay").unwrap();
         assert!(!may_be_absent(delay, &[value("time_delay", [1e-3, 2e-3])]));
         assert!(may_be_absent(delay, &[value("time_delay", [0.0, 2e-3])]));
+    }
+
+    /// Springs so stiff that the motion does not tell them from each other: but it tells them from nothing.
+    fn springs(level_nm: f64) -> [bool; 2] {
+        let twin = Twin { effects: vec!["viscous".into()], ..Twin::default() };
+        let mut made = samples(6, 3000, |j, t| 0.6 * ((0.9 + 0.1 * j as f64) * t).sin());
+        let effect = find("maxwell_slip").unwrap();
+        let springs = effect.columns(&twin.motion(&made), 1, &[2e-5]).swap_remove(1);
+        made.torque = twin.torque(&twin.motion(&made));
+        let torque = made.torque.joint_mut(1).iter_mut();
+        torque.zip(springs).for_each(|(t, z)| *t += level_nm * z);
+        noisy(&mut made, 0.3);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let data = Data::plain(vec![&observed]);
+        let candidate = Candidate::new(effect, Place::Joint(1));
+        let term = Term::new(candidate, vec![2e-5]);
+        let fit = Fit::plain(&data, Model::of(&twin).with(term));
+        [may_be_absent(effect, &of_fit(&fit)[0]), may_all_be_none(&fit, 0)]
+    }
+
+    #[test]
+    fn of_values_that_stand_in_for_each_other_one_is_there() {
+        assert_eq!(springs(0.5), [true, false]);
+        assert_eq!(springs(0.0), [true, true]);
     }
 }

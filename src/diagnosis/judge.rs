@@ -41,6 +41,11 @@ impl Gain {
         candidate.recording.is_none() && self.acts && self.where_exact < criteria.least_gain
     }
 
+    /// Is it a law of the arm, of which the check recording has nothing to say? Not what happens once.
+    pub fn is_untried(&self, candidate: Candidate) -> bool {
+        candidate.recording.is_none() && !self.acts && !candidate.effect.lasts_a_while()
+    }
+
     pub fn largest(&self) -> f64 {
         self.where_exact.max(self.where_inexact)
     }

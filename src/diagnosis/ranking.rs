@@ -15,16 +15,19 @@ pub fn named(candidate: Candidate) -> Named {
     Named { effect: candidate.name().into(), joints: candidate.place.joints() }
 }
 
-/// Probability that a law that is not exact agrees again: chosen by one recording and confirmed by another,
-/// it agreed in two of two (Jeffreys' prior: (2 + 1/2) / (2 + 1)). Where it would not, something unknown
-/// looks like it.
-const REPLICATES: f64 = 2.5 / 3.0;
+/// Probability that a law agrees again, which agreed in so many recordings of so many (Jeffreys' prior). Where it would
+/// not, something unknown looks like it.
+fn agrees_again(agreed: f64, of: f64) -> f64 {
+    (agreed + 0.5) / (of + 1.0)
+}
 
-/// What a probability is worth where the law is, or is not, exact.
+/// What a probability is worth: a law that is not exact was chosen by one recording and confirmed by another, one that
+/// does not act in the check recording was seen once.
 pub fn replicated(probability: f64, candidate: Candidate, gain: &Gain, criteria: &Criteria) -> f64 {
-    match gain.needs_replication(candidate, criteria) {
-        true => REPLICATES * probability,
-        false => probability,
+    match gain {
+        _ if gain.needs_replication(candidate, criteria) => agrees_again(2.0, 2.0) * probability,
+        _ if gain.is_untried(candidate) => agrees_again(1.0, 1.0) * probability,
+        _ => probability,
     }
 }
 
@@ -75,7 +78,9 @@ pub fn equivalents(standing: &Standing<'_>, gain: &Gain, criteria: &Criteria) ->
 /// The strongest cause's rivals, "none" and "unknown": what is at work first of all.
 pub fn ranking(findings: &Findings<'_>) -> Vec<Ranked> {
     let criteria = &findings.search.criteria;
-    let strongest = (0..findings.standings.len()).max_by(|a, b| {
+    let causes = &findings.last.model.causes;
+    let is_open = |i: &usize| findings.unconfirmed.contains(&causes[*i].candidate);
+    let strongest = (0..causes.len()).filter(|i| !is_open(i)).max_by(|a, b| {
         let taken = |i: &usize| {
             let s = &findings.gains[*i].shrink;
             s.check_before_nm.powi(2) - s.check_after_nm.powi(2)
@@ -101,12 +106,16 @@ pub fn ranking(findings: &Findings<'_>) -> Vec<Ranked> {
     let [none, unknown] = if unknown > 0.0 { [-unknown, 0.0] } else { [0.0, unknown] };
     let nats: Vec<f64> = rows.iter().map(|r| r.1).chain([none, unknown]).collect();
     let mut shares = criteria.probabilities(&nats);
-    if let Some(i) = strongest {
-        let candidate = findings.last.model.causes[i].candidate;
-        let worth = |share: f64| replicated(share, candidate, &findings.gains[i], criteria);
-        let (named, rest) = shares.split_at_mut(rows.len());
-        rest[1] += named.iter().map(|s| s - worth(*s)).sum::<f64>();
-        named.iter_mut().for_each(|s| *s = worth(*s));
+    let worth = |candidate: Candidate, share: f64| match strongest {
+        Some(i) => replicated(share, causes[i].candidate, &findings.gains[i], criteria),
+        // What was found and is not called agreed in one recording, not in the other.
+        None if findings.found.last.model.has(candidate) => agrees_again(1.0, 2.0) * share,
+        None => share,
+    };
+    let (named_ones, rest) = shares.split_at_mut(rows.len());
+    for (share, (candidate, _)) in named_ones.iter_mut().zip(&rows) {
+        let before = std::mem::replace(share, worth(*candidate, *share));
+        rest[1] += before - *share;
     }
     let mut all: Vec<Ranked> = rows
         .iter()

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::answer::{Replaced, Unexplained};
 use super::blind::Blind;
 use super::called::{Called, called};
-use super::candidate::{Candidate, Place};
+use super::candidate::{Candidate, Place, Term};
 use super::criteria::Criteria;
 use super::episodes::{Episode, episodes};
 use super::findings::Findings;
@@ -131,13 +131,17 @@ impl<'a> Findings<'a> {
     }
 
     /// What is named, and what helps the twin and is not named: the intervals of its values hold that it is
-    /// absent.
+    /// absent, or the fit recording alone does not show it.
     fn causes(&self) -> [Vec<Cause>; 2] {
         let values = slow::values(&self.last);
         // Slow torque may say that nothing is there.
         let inside = |i: &usize| values[*i].first().is_none_or(|v| !v.at_bound);
         let effect = |i: usize| self.last.model.causes[i].candidate.effect;
-        let absent = |i: &usize| intervals::may_be_absent(effect(*i), &values[*i]);
+        let absent = |i: &usize| {
+            let unconfirmed = self.unconfirmed.contains(&self.last.model.causes[*i].candidate);
+            let none = || intervals::may_all_be_none(&self.last, *i);
+            unconfirmed || intervals::may_be_absent(effect(*i), &values[*i]) && none()
+        };
         let all = 0..self.standings.len();
         let (unsure, sure): (Vec<usize>, Vec<usize>) = match self.equals {
             Some(_) => (Vec::new(), all.collect()),
@@ -190,14 +194,19 @@ impl<'a> Findings<'a> {
         ranking::replicated(probability, candidate, &self.gains[i], self.criteria())
     }
 
-    /// What the causes leave, values from the fit recording.
+    /// What the causes leave that both searches find, values from the fit recording.
     fn unexplained(&self) -> Unexplained {
-        let model = self.last.model.clone();
+        let is_open = |t: &Term| self.unconfirmed.contains(&t.candidate);
+        let mut explained = self.last.clone();
+        while let Some(i) = explained.model.causes.iter().position(is_open) {
+            explained = self.search.without(&explained, i);
+        }
+        let model = explained.model.clone();
         let plain = Fit::plain(self.alone.data, model);
         let left = [plain.held_against(self.fit), plain.held_against(self.check)];
         let of = |i: usize| Left { observed: [self.fit, self.check][i], residual: &left[i] };
         let both = [of(0), of(1)];
-        unexplained(&both, &self.held.before, &self.floor, &self.last, self.criteria())
+        unexplained(&both, &self.held.before, &self.floor, &explained, self.criteria())
     }
 
     fn rejected(&self) -> Vec<Rejected> {
@@ -254,20 +263,25 @@ impl<'a> Findings<'a> {
         }
     }
 
+    fn why_unnamed(&self, adjustment: &Cause) -> &'static str {
+        let is_this =
+            |c: &Candidate| c.name() == adjustment.effect && c.place.joints() == adjustment.joints;
+        match self.unconfirmed.iter().any(is_this) {
+            true => "both recordings together show it, the fit recording alone does not",
+            false => "its interval holds that there is nothing",
+        }
+    }
+
     fn notes(&self, adjustments: &[Cause]) -> Vec<String> {
         let mut notes: Vec<String> = self.lagging.iter().map(Lagging::says).collect();
-        notes.extend(adjustments.iter().map(words::adjustment));
+        notes.extend(adjustments.iter().map(|a| words::adjustment(a, self.why_unnamed(a))));
         let is_equal = |c: &Candidate| self.equals.iter().flatten().flatten().any(|e| e == c);
         let causes = self.found.last.model.causes.iter();
         let dropped =
             causes.filter(|t| !self.last.model.has(t.candidate) && !is_equal(&t.candidate));
         for term in dropped {
-            let why = match self.unconfirmed.contains(&term.candidate) {
-                true => "both recordings together show it, the fit recording alone does not",
-                false => "takes nothing sure off the check recording",
-            };
             let name = super::candidate::describe(term.candidate);
-            notes.push(format!("{name} fits too, but {why}"));
+            notes.push(format!("{name} fits too, but takes nothing sure off the check recording"));
         }
         notes.extend(link_masses::says(&self.last, self.settings));
         let blind: Vec<String> = self

@@ -89,7 +89,7 @@ fn uncertain(d: &Diagnosis) -> String {
     let names: Vec<String> = d.adjustments.iter().map(|a| a.effect.clone()).collect();
     match d.shrink.torque.above_noise() {
         Some([share, ..]) if !names.is_empty() => format!(
-            "{} of the gap above the noise goes with {}, of which no value is sure. Besides, t",
+            "{} of the gap above the noise goes with {}, of which none is sure. Besides, t",
             percent(share),
             listed(&names, TOLD)
         ),
@@ -267,14 +267,14 @@ fn value(cause: &Cause) -> String {
     format!("{name}{}{unit}{at}{twin}; ", digits(first.value))
 }
 
-/// `torque_constant: torque_gain_error 0.0223 (-0.0528 to 0.0974) helps and is in the mended twin; ...`
-pub fn adjustment(a: &Cause) -> String {
+/// `torque_constant: torque_gain_error 0.0223 (-0.0528 to 0.0974) helps and is in the mended twin; it is not named,
+/// for its interval holds that there is nothing`
+pub fn adjustment(a: &Cause, why: &str) -> String {
     let value = foremost(a).map_or(String::new(), |v| {
         format!(": {} {} ({} to {})", parameter(v), digits(v.value), digits(v.low), digits(v.high))
     });
     format!(
-        "{} at {}{value} helps and is in the mended twin; it is not named, for its interval holds that \
-         there is nothing",
+        "{} at {}{value} helps and is in the mended twin; it is not named, for {why}",
         a.effect,
         place(&a.joints)
     )

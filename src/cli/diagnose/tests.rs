@@ -182,7 +182,7 @@ fn torque_is_not_explained_by_a_velocity() {
     let lag = Cause { effect: "velocity_lag".into(), ..lags.adjustments[0].clone() };
     lags.causes = vec![Cause { parameters: vec![], equivalent: vec![], ..lag }];
     let said = words::headline(&lags);
-    let parts = ["goes with payload, of which no value is sure", "the twin lacks velocity_lag"];
+    let parts = ["goes with payload, of which none is sure", "the twin lacks velocity_lag"];
     assert!(parts.iter().all(|part| said.contains(part)), "{said}");
     lags.adjustments.clear();
     assert!(words::headline(&lags).starts_with("The twin lacks velocity_lag"));
