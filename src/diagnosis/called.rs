@@ -24,7 +24,7 @@ pub struct Called<'a> {
 
 /// What stands of the search of both recordings: causes that are more probable than not, gain on the check
 /// recording, and sit at no bound. What does not is left out, the weakest first, and the others are seen again
-/// without it. Where the law is not exact, the search of the fit recording alone has to find the cause too.
+/// without it. Where the law is not exact, the search of the fit recording alone has to find the cause too, or it gets no name.
 pub fn called<'a>(
     search: &Hypotheses<'a>,
     judge: &Judge<'_>,

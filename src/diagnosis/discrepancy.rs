@@ -26,6 +26,8 @@ pub const GROUPS: [&str; 5] = ["posture", "masses", "timing", "time", "friction"
 pub const MASSES: usize = 1;
 /// Groups whose size is known beforehand: no larger than the features as they come.
 const KNOWN: [&str; 2] = ["masses", "timing"];
+/// The group of what the twin leaves open: its mean belongs to that.
+const OPEN: &str = "friction";
 /// Share of the time between samples: channels are not taken at one instant better than this.
 const SIMULTANEOUS: f64 = 0.125;
 
@@ -104,8 +106,10 @@ impl<'a> Discrepancy<'a> {
             };
             let mut made: Vec<Vec<f64>> = (0..count).map(of).collect();
             let known = KNOWN.contains(name);
-            // Of what the twin leaves open, the mean belongs to it.
-            let sd = normalise(&mut made, known, *name != "friction");
+            if *name != OPEN {
+                made.iter_mut().for_each(|column| centre(column));
+            }
+            let sd = normalise(&mut made, known);
             if known {
                 largest.push((g, sd / noise.max(f64::MIN_POSITIVE)));
             }
@@ -236,24 +240,28 @@ fn spread(x: &[f64]) -> [f64; 2] {
     [mean, variance.sqrt()]
 }
 
-/// Columns, `centred` without their means, so that a constant is no part of them, and such that a group of
-/// size 1 has variance 1 over the rows: every column alike, or `together` as they come. Returns the
-/// standard deviation of the group before that.
-fn normalise(columns: &mut [Vec<f64>], together: bool, centred: bool) -> f64 {
+/// Takes the mean off a column, so that a constant is no part of it.
+fn centre(column: &mut [f64]) {
+    let [mean, sd] = spread(column);
+    let varies = sd > 1e-9 * mean.abs();
+    column.iter_mut().for_each(|v| *v = if varies { *v - mean } else { 0.0 });
+}
+
+/// Columns such that a group of size 1 has mean square 1 over the rows: every column alike, or `together` as they
+/// come. Returns the root mean square of the group before that.
+fn normalise(columns: &mut [Vec<f64>], together: bool) -> f64 {
     let count = columns.len().max(1) as f64;
     let mut sum = 0.0;
     for column in columns.iter_mut() {
-        let [mean, sd] = match (centred, spread(column)) {
-            (true, about_its_mean) => about_its_mean,
-            (false, [mean, sd]) => [0.0, mean.hypot(sd)],
-        };
+        let [mean, sd] = spread(column);
+        let size = mean.hypot(sd);
         let scale = match together {
             true => 1.0,
-            false if sd > 1e-9 * mean.abs() && sd > 0.0 => 1.0 / (sd * count.sqrt()),
+            false if size > 0.0 => 1.0 / (size * count.sqrt()),
             false => 0.0,
         };
-        column.iter_mut().for_each(|v| *v = scale * (*v - mean));
-        sum += (scale * sd).powi(2);
+        column.iter_mut().for_each(|v| *v *= scale);
+        sum += (scale * size).powi(2);
     }
     if together && sum > 0.0 {
         columns.iter_mut().flatten().for_each(|v| *v /= sum.sqrt());

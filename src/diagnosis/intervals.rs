@@ -6,7 +6,7 @@
 //! scale of all torque, a parameter beside the others: what weighs is as uncertain as the scale it is
 //! weighed with. The ends of a window of time are told otherwise (`windows`).
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{Cholesky, DVector};
 use statrs::function::gamma::gamma_lr;
 
 use super::candidate::{Candidate, Extent};
@@ -114,14 +114,7 @@ pub fn may_all_be_none(fit: &Fit<'_>, i: usize) -> bool {
     if n < 2 {
         return true;
     }
-    let variance = |a: usize, b: usize, sign: f64| {
-        let [a, b] = [columns[a], columns[b]];
-        systems.all.variance_along(&[(a, 1.0), (b, sign)])
-    };
-    let covariance = DMatrix::from_fn(n, n, |a, b| match a == b {
-        true => systems.all.variance_along(&[(columns[a], 1.0)]),
-        false => 0.25 * (variance(a, b, 1.0) - variance(a, b, -1.0)),
-    });
+    let covariance = systems.all.covariance(&columns);
     let values = DVector::from_column_slice(&fit.values(i)[..n]);
     let Some(along) = Cholesky::new(covariance).map(|c| c.solve(&values)) else { return true };
     let direction: Vec<(usize, f64)> = columns.into_iter().zip(along.iter().copied()).collect();
@@ -288,7 +281,7 @@ mod tests {
     }
 
     /// Springs so stiff that the motion does not tell them from each other: but it tells them from nothing.
-    fn springs(level_nm: f64) -> [bool; 2] {
+    fn springs<T>(level_nm: f64, told: impl Fn(&Fit<'_>) -> T) -> T {
         let twin = Twin { effects: vec!["viscous".into()], ..Twin::default() };
         let mut made = samples(6, 3000, |j, t| 0.6 * ((0.9 + 0.1 * j as f64) * t).sin());
         let effect = find("maxwell_slip").unwrap();
@@ -302,13 +295,29 @@ mod tests {
         let data = Data::plain(vec![&observed]);
         let candidate = Candidate::new(effect, Place::Joint(1));
         let term = Term::new(candidate, vec![2e-5]);
-        let fit = Fit::plain(&data, Model::of(&twin).with(term));
-        [may_be_absent(effect, &of_fit(&fit)[0]), may_all_be_none(&fit, 0)]
+        told(&Fit::plain(&data, Model::of(&twin).with(term)))
     }
 
     #[test]
     fn of_values_that_stand_in_for_each_other_one_is_there() {
-        assert_eq!(springs(0.5), [true, false]);
-        assert_eq!(springs(0.0), [true, true]);
+        let none = |fit: &Fit<'_>| {
+            let effect = fit.model.causes[0].candidate.effect;
+            [may_be_absent(effect, &of_fit(fit)[0]), may_all_be_none(fit, 0)]
+        };
+        assert_eq!(springs(0.5, none), [true, false]);
+        assert_eq!(springs(0.0, none), [true, true]);
+    }
+
+    #[test]
+    fn a_variance_is_what_the_covariance_gives_along_a_direction() {
+        let [form, variance] = springs(0.5, |fit| {
+            let along = [0.5, -2.0, 1.0];
+            let columns: Vec<usize> = fit.model.range(0).collect();
+            let direction: Vec<(usize, f64)> = columns.iter().copied().zip(along).collect();
+            let along = DVector::from_column_slice(&along);
+            let form = along.dot(&(fit.system.covariance(&columns) * &along));
+            [form, fit.system.variance_along(&direction)]
+        });
+        assert!(variance > 0.0 && (form / variance - 1.0).abs() < 1e-6, "{form} {variance}");
     }
 }

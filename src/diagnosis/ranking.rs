@@ -24,10 +24,12 @@ fn agrees_again(agreed: f64, of: f64) -> f64 {
 /// What a probability is worth: a law that is not exact was chosen by one recording and confirmed by another, one that
 /// does not act in the check recording was seen once.
 pub fn replicated(probability: f64, candidate: Candidate, gain: &Gain, criteria: &Criteria) -> f64 {
-    match gain {
-        _ if gain.needs_replication(candidate, criteria) => agrees_again(2.0, 2.0) * probability,
-        _ if gain.is_untried(candidate) => agrees_again(1.0, 1.0) * probability,
-        _ => probability,
+    if gain.needs_replication(candidate, criteria) {
+        agrees_again(2.0, 2.0) * probability
+    } else if gain.is_untried(candidate) {
+        agrees_again(1.0, 1.0) * probability
+    } else {
+        probability
     }
 }
 
@@ -106,17 +108,16 @@ pub fn ranking(findings: &Findings<'_>) -> Vec<Ranked> {
     let [none, unknown] = if unknown > 0.0 { [-unknown, 0.0] } else { [0.0, unknown] };
     let nats: Vec<f64> = rows.iter().map(|r| r.1).chain([none, unknown]).collect();
     let mut shares = criteria.probabilities(&nats);
-    let worth = |candidate: Candidate, share: f64| match strongest {
+    let worth = |(candidate, share): (Candidate, f64)| match strongest {
         Some(i) => replicated(share, causes[i].candidate, &findings.gains[i], criteria),
         // What was found and is not called agreed in one recording, not in the other.
         None if findings.found.last.model.has(candidate) => agrees_again(1.0, 2.0) * share,
         None => share,
     };
-    let (named_ones, rest) = shares.split_at_mut(rows.len());
-    for (share, (candidate, _)) in named_ones.iter_mut().zip(&rows) {
-        let before = std::mem::replace(share, worth(*candidate, *share));
-        rest[1] += before - *share;
-    }
+    let worth: Vec<f64> = rows.iter().map(|r| r.0).zip(shares.iter().copied()).map(worth).collect();
+    let (laws, rest) = shares.split_at_mut(rows.len());
+    rest[1] += laws.iter().zip(&worth).map(|(share, worth)| share - worth).sum::<f64>();
+    laws.copy_from_slice(&worth);
     let mut all: Vec<Ranked> = rows
         .iter()
         .zip(&shares)

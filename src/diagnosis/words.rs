@@ -86,7 +86,9 @@ fn explained(d: &Diagnosis) -> String {
 
 /// What takes torque off where no named cause does.
 fn uncertain(d: &Diagnosis) -> String {
-    let names: Vec<String> = d.adjustments.iter().map(|a| a.effect.clone()).collect();
+    // The share is that of a search which has not seen the check recording.
+    let own = d.adjustments.iter().filter(|a| a.found_without_check);
+    let names: Vec<String> = own.map(|a| a.effect.clone()).collect();
     match d.shrink.torque.above_noise() {
         Some([share, ..]) if !names.is_empty() => format!(
             "{} of the gap above the noise goes with {}, of which none is sure. Besides, t",

@@ -219,6 +219,17 @@ impl System {
         self.inverse_times(&along).dot(&along).max(0.0)
     }
 
+    /// Covariance of some parameters, in their order and units, given the weights.
+    pub fn covariance(&self, parameters: &[usize]) -> DMatrix<f64> {
+        let unit = |i: usize| {
+            let n = self.columns.len();
+            DVector::from_fn(n, |k, _| f64::from(u8::from(k == i)))
+        };
+        let columns: Vec<_> = parameters.iter().map(|i| self.inverse_times(&unit(*i))).collect();
+        let n = parameters.len();
+        DMatrix::from_fn(n, n, |a, b| columns[b][parameters[a]])
+    }
+
     /// How much of parameter `i` these data tell, 0 to 1: what they narrow of the variance that is expected
     /// beforehand (MacKay, Neural Computation 4, 1992, eq. 2.11).
     pub fn determined(&self, i: usize) -> f64 {
