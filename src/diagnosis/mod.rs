@@ -34,6 +34,7 @@ mod mend;
 mod model;
 mod newton;
 mod observed;
+mod offered;
 mod profile;
 mod proved;
 mod ranking;
@@ -62,7 +63,7 @@ pub use answer::{
     Rejected, Replaced, RoundEvidence, Scored, Shrink, SimulationShrink, TorqueShrink, Unexplained,
     UnexplainedJoint, Untestable, Value, Verdict,
 };
-pub use bootstrap::interval;
+pub use bootstrap::{interval, interval_among};
 pub use by::{By, JointPositionShrink, Position, PositionShrink};
 pub use change::Change;
 pub use conditioning::conditioning;
@@ -73,6 +74,7 @@ pub use floor::{Floor, FloorFrom, noise_floor};
 pub use gap::gap;
 pub use locate::{LOCATING, locate};
 pub use mend::{changed, mend};
+pub use offered::Offer;
 pub use proved::{Proof, Stands};
 pub use reasons::by_reason;
 pub use rounds::SEARCHING;

@@ -116,7 +116,9 @@ pub fn ranking(findings: &Findings<'_>) -> Vec<Ranked> {
     };
     let worth: Vec<f64> = rows.iter().map(|r| r.0).zip(shares.iter().copied()).map(worth).collect();
     let (laws, rest) = shares.split_at_mut(rows.len());
-    rest[1] += laws.iter().zip(&worth).map(|(share, worth)| share - worth).sum::<f64>();
+    let taken: f64 = laws.iter().zip(&worth).map(|(share, worth)| share - worth).sum();
+    let instead = instead(strongest.is_some(), [none, unknown], criteria);
+    rest.iter_mut().zip(instead).for_each(|(rest, share)| *rest += share * taken);
     laws.copy_from_slice(&worth);
     let mut all: Vec<Ranked> = rows
         .iter()
@@ -131,6 +133,11 @@ pub fn ranking(findings: &Findings<'_>) -> Vec<Ranked> {
     all.push(ranked(of(UNKNOWN), shares[rows.len() + 1], unknown));
     all.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     all
+}
+
+/// Shares of nothing and of something unknown in what is not a law: where one is called, what is not it looks like it.
+fn instead(called: bool, nats: [f64; 2], criteria: &Criteria) -> Vec<f64> {
+    if called { vec![0.0, 1.0] } else { criteria.probabilities(&nats) }
 }
 
 fn ranked(named: Named, probability: f64, nats: f64) -> Ranked {
@@ -157,6 +164,7 @@ pub fn with_sensor(sensor: &[Cause], mut ranking: Vec<Ranked>) -> Vec<Ranked> {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::diagnosis::{Diagnosis, Settings, diagnose};
     use crate::signals::testing::{noisy, samples};
     use crate::twin::Twin;
@@ -197,6 +205,13 @@ mod tests {
             names.contains(&"coulomb_asymmetry") && names.contains(&"current_offset"),
             "{names:?}"
         );
+    }
+
+    #[test]
+    fn what_is_not_called_leaves_room_for_nothing_or_for_something_unknown() {
+        let of = |called, nats| instead(called, nats, &Criteria::default());
+        assert!(of(false, [0.0, -20.0])[0] > 0.999 && of(false, [-20.0, 0.0])[1] > 0.999);
+        assert_eq!(of(true, [0.0, -20.0]), [0.0, 1.0]);
     }
 
     #[test]

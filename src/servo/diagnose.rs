@@ -10,7 +10,7 @@ use super::judge::prove;
 use super::refit::Refits;
 use super::sift::{Sieve, Sifted};
 use super::{Free, ServoError, Settings, Track, free_parameters, identify, linearised};
-use crate::diagnosis::{self, Change, Diagnosis, Traces, diagnose_proved};
+use crate::diagnosis::{self, Diagnosis, Offer, Traces, diagnose_proved};
 use crate::follow::Watch;
 use crate::series::JointSeries;
 use crate::signals::Samples;
@@ -53,10 +53,10 @@ pub fn diagnose(
     let horizon_s = Settings::default().horizon_s;
     let [seen_fit, seen_check] = [fit, check].map(|s| linearised(&near, s, horizon_s));
     let (mut after, mut taken) = (refits.before.clone(), Vec::new());
-    let mut proof = |found: &[Change]| {
+    let mut proof = |offers: &[Offer]| {
         let sieve = Sieve { refits: &refits, check: &check_track, settings };
-        let Sifted { stand, twin } = sieve.sift(found)?;
-        taken = stand.iter().map(|s| found[s.index].clone()).collect();
+        let Sifted { stand, twin } = sieve.sift(offers)?;
+        taken = stand.iter().map(|s| offers[s.index].change.clone()).collect();
         if !taken.is_empty() {
             after = sieve.in_full(&twin, &taken)?;
         }

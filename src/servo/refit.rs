@@ -42,6 +42,17 @@ impl<'a> Refits<'a> {
         Ok(refits)
     }
 
+    /// The twin without a change, as near as those with one are found.
+    ///
+    /// # Errors
+    /// As [`identify`].
+    pub fn none(&self) -> Result<Twin, ServoError> {
+        match self.free(&self.before.twin, &[])?.is_empty() {
+            true => Ok(self.before.twin.clone()),
+            false => self.approached(&self.before.twin, &[], &FROM_FAR),
+        }
+    }
+
     /// The twin with one change, about. Good along one motion, values of the change may still be none that an arm can be
     /// led with: then from where it is absent.
     ///
@@ -108,6 +119,12 @@ impl<'a> Refits<'a> {
             }
         });
         Ok(Refitted { twin: twin.clone(), estimates: estimates.collect() })
+    }
+
+    /// Has a change that was fitted a shape at the end of its range?
+    pub fn is_at_bound(&self, fitted: &Twin, change: &Change) -> bool {
+        let own = parameters(fitted, change).unwrap_or_default();
+        own.iter().any(|f| f.parameter.role == Role::Nonlinear && f.is_bound(f.start))
     }
 
     fn approached(

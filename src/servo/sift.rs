@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::refit::{Refits, Refitted};
 use super::{ServoError, Track, replay};
-use crate::diagnosis::{Change, Settings, Stands, interval};
+use crate::diagnosis::{Change, Offer, Settings, Stands, interval_among};
 use crate::twin::Twin;
 
 /// Fits of changes to one recording, and another command along which a change has to hold.
@@ -37,18 +37,19 @@ struct Tried {
 }
 
 impl Sieve<'_> {
-    /// Which of `changes` take something sure off the simulated position's error along the command of `check`, taken
-    /// up one after the other. First comes what, fitted alone, takes most off that; of what takes as much the best beside
-    /// what there is already, and the others are its equals as far as it is not surely better. Many values always follow
-    /// the recording better that they are fitted to: that tells nothing.
+    /// Which of the changes that are offered, the most plausible first, take something sure off the simulated position's
+    /// error along the command of `check`, taken up one after the other. First comes what, fitted alone, takes most off
+    /// that; of what takes as much the most plausible that no other is surely better than beside what there is already,
+    /// and the others like that are its equals. Many values always follow the recording better that they are fitted to:
+    /// that tells nothing.
     ///
     /// # Errors
     /// If the twin cannot be fitted or simulated.
-    pub fn sift(&self, changes: &[Change]) -> Result<Sifted, ServoError> {
+    pub fn sift(&self, offers: &[Offer]) -> Result<Sifted, ServoError> {
         let mut twin = self.refits.before.twin.clone();
         let mut left = errors(&twin, self.check)?;
         let (mut stand, mut taken) = (Vec::new(), Vec::new());
-        let mut open = self.alone(changes)?;
+        let mut open = self.alone(offers)?;
         for round in 0.. {
             if open.is_empty() {
                 break;
@@ -56,20 +57,20 @@ impl Sieve<'_> {
             // Every round takes up one or more.
             let at_most = round + open.len() as u64;
             self.refits.watch.bound("fitting causes together by simulation", round, at_most);
-            let rivals = self.rivals(&open, changes);
-            let beside = |alone: &&Tried| self.beside((&twin, &taken), changes, alone);
+            let rivals = self.rivals(&open, offers);
+            let beside = |alone: &&Tried| self.beside((&twin, &taken), offers, alone);
             let tried: Vec<Tried> = rivals.par_iter().map(beside).collect::<Result<_, _>>()?;
             let mut used: Vec<usize> = rivals.iter().map(|t| t.index).collect();
-            let nearer = self.nearer(&left, tried, (&taken, changes))?;
+            let nearer = self.nearer(&left, tried, (&taken, offers))?;
             if let Some((best, equals)) = self.best(nearer) {
                 used = vec![best.index];
-                taken.push(changes[best.index].clone());
+                taken.push(offers[best.index].change.clone());
                 // What looked the same as an earlier one and is there beside it is another.
                 stand.iter_mut().for_each(|s: &mut Stands| s.equals.retain(|i| *i != best.index));
                 stand.push(Stands { index: best.index, equals });
                 (twin, left) = (best.twin, best.errors);
             }
-            let overlaps = |t: &Tried| taken.iter().any(|c| changes[t.index].overlaps(c));
+            let overlaps = |t: &Tried| taken.iter().any(|c| offers[t.index].change.overlaps(c));
             open.retain(|t| !used.contains(&t.index) && !overlaps(t));
         }
         Ok(Sifted { stand, twin })
@@ -83,29 +84,31 @@ impl Sieve<'_> {
         let full = self.refits.all(sifted, changes)?;
         let [near, mended] = [sifted, &full.twin].map(|twin| errors(twin, self.check));
         let (near, mended) = (near?, mended?);
-        match self.is_nearer(&mended, &near) {
+        match self.is_nearer(&mended, &near, 1) {
             true => self.refits.as_is(sifted, changes, &full),
             false => Ok(full),
         }
     }
 
-    /// Each change alone, fitted to one recording: that with which the other is predicted best comes first.
-    fn alone(&self, changes: &[Change]) -> Result<Vec<Tried>, ServoError> {
-        let before = errors(&self.refits.before.twin, self.check)?;
+    /// Each change alone, fitted to one recording: that with which the other is predicted best comes first. What no search
+    /// says is there has to take something off alone.
+    fn alone(&self, offers: &[Offer]) -> Result<Vec<Tried>, ServoError> {
+        let before = errors(&self.refits.none()?, self.check)?;
         let units = self.units(&before);
         // Of a twin that runs away as given everything takes off as much.
         let size = |errors: &[Vec<f64>]| summed(errors, &units).iter().sum::<f64>();
         let given = size(&before).min(f64::MAX);
-        let (done, count) = (AtomicU64::new(0), changes.len() as u64);
+        let (done, count) = (AtomicU64::new(0), offers.len() as u64);
         let tell = |done| self.refits.watch.tell("fitting by simulation, cause", done, count);
-        let of = |(index, change): (usize, &Change)| -> Result<Tried, ServoError> {
-            let twin = self.refits.alone(change)?;
+        let of = |(index, offer): (usize, &Offer)| -> Result<Tried, ServoError> {
+            let twin = self.refits.alone(&offer.change)?;
             let errors = errors(&twin, self.check)?;
             tell(1 + done.fetch_add(1, Ordering::Relaxed));
             Ok(Tried { index, twin, gain: given - size(&errors), errors })
         };
         let mut all: Vec<Tried> =
-            changes.par_iter().enumerate().map(of).collect::<Result<_, _>>()?;
+            offers.par_iter().enumerate().map(of).collect::<Result<_, _>>()?;
+        all.retain(|t| t.gain > 0.0 || offers[t.index].among == 1);
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         Ok(all)
     }
@@ -114,12 +117,11 @@ impl Sieve<'_> {
     fn beside(
         &self,
         (twin, taken): (&Twin, &[Change]),
-        changes: &[Change],
+        offers: &[Offer],
         alone: &Tried,
     ) -> Result<Tried, ServoError> {
         let index = alone.index;
-        let all = [taken, &changes[index..=index]].concat();
-        let twin = self.refits.beside(twin, &all, &alone.twin)?;
+        let twin = self.refits.beside(twin, &with(taken, &offers[index]), &alone.twin)?;
         let errors = errors(&twin, self.check)?;
         Ok(Tried { index, twin, errors, gain: alone.gain })
     }
@@ -129,43 +131,49 @@ impl Sieve<'_> {
         &self,
         left: &[Vec<f64>],
         mut tried: Vec<Tried>,
-        (taken, changes): (&[Change], &[Change]),
+        (taken, offers): (&[Change], &[Offer]),
     ) -> Result<Vec<Tried>, ServoError> {
-        tried.retain(|t| self.is_nearer(left, &t.errors));
+        let stands = |t: &Tried| {
+            let offer = &offers[t.index];
+            // What fits only at the end of its range is no cause.
+            let inside = || !self.refits.is_at_bound(&t.twin, &offer.change);
+            self.is_nearer(left, &t.errors, offer.among) && inside()
+        };
+        tried.retain(stands);
         if tried.len() > 1 {
             let in_full = |t: &Tried| {
-                let all = [taken, &changes[t.index..=t.index]].concat();
-                let twin = self.refits.all(&t.twin, &all)?.twin;
+                let twin = self.refits.all(&t.twin, &with(taken, &offers[t.index]))?.twin;
                 let errors = errors(&twin, self.check)?;
                 Ok(Tried { index: t.index, twin, errors, gain: t.gain })
             };
             tried = tried.par_iter().map(in_full).collect::<Result<_, ServoError>>()?;
-            tried.retain(|t| self.is_nearer(left, &t.errors));
+            tried.retain(stands);
         }
         Ok(tried)
     }
 
-    /// The first, and what alone takes as much off where it acts, as far as simulations are exact.
-    fn rivals<'t>(&self, open: &'t [Tried], changes: &[Change]) -> Vec<&'t Tried> {
+    /// The first, and what alone takes as much off where it acts, as far as simulations are exact and the recording tells.
+    fn rivals<'t>(&self, open: &'t [Tried], offers: &[Offer]) -> Vec<&'t Tried> {
         let (first, inexact) = (&open[0], self.settings.criteria.least_gain_inexact);
-        let as_well = |t: &&Tried| {
-            let here = changes[t.index].meets(&changes[first.index]);
-            t.index == first.index || here && t.gain > 0.0 && t.gain >= (1.0 - inexact) * first.gain
-        };
-        open.iter().filter(as_well).collect()
+        let meets = |t: &Tried| offers[t.index].change.meets(&offers[first.index].change);
+        let as_much = |t: &Tried| t.gain >= (1.0 - inexact) * first.gain;
+        let as_well = |t: &Tried| as_much(t) || !self.is_surely_nearer(&t.errors, &first.errors, 1);
+        let is_rival =
+            |t: &&Tried| t.index == first.index || meets(t) && t.gain > 0.0 && as_well(t);
+        open.iter().filter(is_rival).collect()
     }
 
-    /// The best, and which of the others it is not surely nearer than.
+    /// The most plausible of those that the best is not surely nearer than, and the others of them.
     fn best(&self, tried: Vec<Tried>) -> Option<(Tried, Vec<usize>)> {
         let units = self.units(&tried.first()?.errors);
-        let summed = |t: &Tried| summed(&t.errors, &units);
-        let size = |t: &Tried| summed(t).iter().sum::<f64>();
-        let mut tried = tried;
-        tried.sort_by(|a, b| size(a).total_cmp(&size(b)));
-        let best = tried.remove(0);
-        let as_near = |t: &&Tried| !self.is_nearer(&t.errors, &best.errors);
-        let equals = tried.iter().filter(as_near).map(|t| t.index).collect();
-        Some((best, equals))
+        let size = |t: &&Tried| summed(&t.errors, &units).iter().sum::<f64>();
+        let nearest = tried.iter().min_by(|a, b| size(a).total_cmp(&size(b)))?.errors.clone();
+        let as_near = |t: &Tried| !self.is_nearer(&t.errors, &nearest, 1);
+        let mut equals: Vec<Tried> = tried.into_iter().filter(as_near).collect();
+        equals.sort_by_key(|t| t.index);
+        let mut equals = equals.into_iter();
+        let first = equals.next()?;
+        Some((first, equals.map(|t| t.index).collect()))
     }
 
     /// What is left of each joint, rad, at least its rounding.
@@ -175,20 +183,31 @@ impl Sieve<'_> {
         means(left).into_iter().zip(least).map(|(left, least)| known(left).max(least)).collect()
     }
 
-    /// Do errors surely shrink, and by enough? Each joint counts in units of what is left of it.
-    fn is_nearer(&self, without: &[Vec<f64>], with: &[Vec<f64>]) -> bool {
+    /// Do errors surely shrink, and by enough, where so many are looked at? Each joint counts in units of what is left of it.
+    fn is_nearer(&self, without: &[Vec<f64>], with: &[Vec<f64>], among: usize) -> bool {
         let (before, after) = (means(without), means(with));
         let moves = |means: &[f64]| means.iter().all(|m| m.is_finite());
         if !(moves(&before) && moves(&after)) {
             return moves(&after);
         }
-        let units = self.units(with);
-        let [b, a] = [without, with].map(|errors| summed(errors, &units));
-        let [low, _] = interval(&b, &a, self.check.dt, self.settings.seed, share);
         let largest = before.iter().zip(&after).map(|(b, a)| share(*b, *a)).fold(0.0, f64::max);
         // No simulation of an arm is exact to less.
-        low > 0.0 && largest >= self.settings.criteria.least_gain_inexact
+        largest >= self.settings.criteria.least_gain_inexact
+            && self.is_surely_nearer(without, with, among)
     }
+
+    /// Would errors, both finite, shrink along other stretches of this motion?
+    fn is_surely_nearer(&self, without: &[Vec<f64>], with: &[Vec<f64>], among: usize) -> bool {
+        let units = self.units(with);
+        let [b, a] = [without, with].map(|errors| summed(errors, &units));
+        let [low, _] = interval_among(among, &b, &a, self.check.dt, self.settings.seed, share);
+        low > 0.0
+    }
+}
+
+/// What was taken up, and one more.
+fn with(taken: &[Change], offer: &Offer) -> Vec<Change> {
+    taken.iter().chain([&offer.change]).cloned().collect()
 }
 
 /// Sizes of the simulated position's errors joint by joint, rad; infinite where the twin runs away.

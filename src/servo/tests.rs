@@ -3,7 +3,7 @@
 use super::refit::Refits;
 use super::sift::{Sieve, Sifted};
 use super::*;
-use crate::diagnosis::{Change, Stands, Value};
+use crate::diagnosis::{Change, Offer, Stands, Value};
 use crate::signals::{Conditioning, condition};
 use crate::simulation::{Scenario, Simulation};
 use crate::twin::Twin;
@@ -254,7 +254,8 @@ fn sifted(scenario: &str, effect: &str, open: &[&str], changes: &[Change]) -> Si
     let refits = Refits::new(&twin, &fit, &()).unwrap();
     let settings = crate::diagnosis::Settings::default();
     let sieve = Sieve { refits: &refits, check: &check, settings: &settings };
-    sieve.sift(changes).unwrap()
+    let offer = |change: &Change| Offer { change: change.clone(), among: 1 };
+    sieve.sift(&changes.iter().map(offer).collect::<Vec<_>>()).unwrap()
 }
 
 /// A servo brakes less than its twin's by more than the joint's viscous friction, which cannot be negative.
@@ -316,4 +317,29 @@ fn of_changes_stands_what_brings_another_motion_nearer() {
     let near = refits.all(&mended, &changes[1..2]).unwrap();
     let mass = near.estimates.iter().find(|e| e.name == "payload_mass").unwrap();
     assert!((mass.value - 2.0).abs() < 0.1 && mass.identifiable, "{mass:?}");
+}
+
+const BENT: &str = "[effects.servo_offset]\nservo_offset = [0, 0, 0, 0, 0.02, 0]\n";
+
+/// Fitted from two sides it comes out a little otherwise, which tells nothing.
+#[test]
+fn of_equals_the_most_plausible_comes_first() {
+    let from = |offset: f64| change("servo_offset", &[5], &[("servo_offset", offset)]);
+    for (first, second) in [(0.01, 0.03), (0.03, 0.01)] {
+        let changes = [from(first), from(second)];
+        let found = sifted(&format!("{SERVOS}{BENT}"), "servo_offset", &[], &changes);
+        assert_eq!(found.stand, [Stands { index: 0, equals: vec![1] }], "{first}");
+    }
+}
+
+/// A ripple of less than one wave a turn looks like an offset.
+#[test]
+fn what_fits_only_at_the_end_of_its_range_does_not_stand() {
+    let waves = [("ripple_sine", 1.0), ("ripple_cosine", 1.0), ("ripple_order", 1.5)];
+    let changes = [
+        change("torque_ripple", &[5], &waves),
+        change("servo_offset", &[5], &[("servo_offset", 1e-3)]),
+    ];
+    let found = sifted(&format!("{SERVOS}{BENT}"), "servo_offset", &[], &changes);
+    assert_eq!(found.stand, [Stands { index: 1, equals: vec![] }]);
 }

@@ -14,13 +14,16 @@ pub struct Printed {
     pub probability: f64,
     /// Is it hidden in the case? `None` where nobody knows.
     pub holds: Option<bool>,
+    /// Is it told to some untouched pair of the same arm, so that it may be there though nobody hid it?
+    pub may_be_the_arms: bool,
 }
 
 impl Printed {
     /// `None` of holds for what an arm may lack that nobody built.
     pub fn new(named: Named, equivalent: Vec<Named>, probability: f64, kind: Kind) -> Self {
         let unknown = kind == Kind::Untouched;
-        Self { named, equivalent, probability, holds: (!unknown).then_some(false) }
+        let holds = (!unknown).then_some(false);
+        Self { named, equivalent, probability, holds, may_be_the_arms: false }
     }
 
     /// The cause, then what is called the same.

@@ -23,12 +23,13 @@ pub fn are(cases: &[Judged]) -> bool {
     cases.iter().any(|j| Kind::ON_RECORDINGS.contains(&j.kind))
 }
 
-/// Sets what follows from the answer to the untouched pair: which names are strays, and of which
-/// nobody knows whether they are true.
+/// Sets what follows from the answers to the untouched pairs: of which names nobody knows whether they are true (the pair
+/// beside is told them), which are strays, and which of those may be the arm's own all the same (another pair is told them).
 pub fn hold_against_base(cases: &mut [Judged]) {
     let untouched = cases.iter().filter(|j| j.kind == Kind::Untouched);
     let base: HashMap<String, Vec<Named>> =
         untouched.map(|j| (j.case.clone(), j.all_names())).collect();
+    let of_the_arm: Vec<Named> = base.values().flatten().cloned().collect();
     for judged in cases.iter_mut() {
         let Some(base) = judged.base.as_ref().and_then(|name| base.get(name)) else { continue };
         let hidden = judged.truth.clone();
@@ -36,6 +37,7 @@ pub fn hold_against_base(cases: &mut [Judged]) {
             if cause.is_one_of(base) {
                 cause.holds = None;
             } else {
+                cause.may_be_the_arms = cause.is_one_of(&of_the_arm);
                 judged.strays.push(cause.named.clone());
             }
         }

@@ -48,6 +48,32 @@ fn the_same_effect_at_another_joint_is_a_stray() {
     assert_eq!(told.printed[0].holds, Some(false));
 }
 
+/// It may be the arm's own, which shows in one pair and not in another.
+#[test]
+fn what_another_untouched_pair_is_told_may_be_the_arms() {
+    let (payload, elsewhere) = (named("payload", &[]), named("load_friction", &[3]));
+    let answer = |names: &[&Named]| {
+        let causes = names.iter().map(|n| cause(n, &[])).collect();
+        answer(Verdict::PartlyExplained, causes, &[])
+    };
+    let hidden = std::slice::from_ref(&payload);
+    let mut all = [
+        judged("base", Kind::Untouched, &[], &answer(&[])),
+        judged("other", Kind::Untouched, &[], &answer(&[&elsewhere])),
+        judged("graft", Kind::Grafted, hidden, &answer(&[&payload, &elsewhere])),
+    ];
+    hold_against_base(&mut all);
+    let told = |p: &Printed| (p.holds, p.may_be_the_arms);
+    let told: Vec<_> = all[2].printed.iter().map(told).collect();
+    assert_eq!(told, [(Some(true), false), (Some(false), true)]);
+    assert_eq!(all[2].strays, [elsewhere]);
+    let [tenth] = &tenths(all[2].printed.iter())[9..] else { panic!("ten of them") };
+    assert_eq!(
+        (tenth.true_ones, tenth.at_best),
+        (Share { hits: 1, of: 2 }, Share { hits: 2, of: 2 })
+    );
+}
+
 #[test]
 fn equals_are_no_strays() {
     let payload = named("payload", &[]);
@@ -132,6 +158,7 @@ fn a_tenth_that_is_off_is_flagged_where_it_has_causes_enough() {
         equivalent: vec![],
         probability,
         holds,
+        may_be_the_arms: false,
     };
     let mut all = vec![printed(0.95, Some(true)); 28];
     all.extend(vec![printed(0.95, Some(false)); 2]);
