@@ -56,13 +56,11 @@ impl<'a> Findings<'a> {
                 (found, HeldOut::new(&alone.last, check), called)
             }
             None => {
-                // So many values are for both searches to ask for.
-                let asked = rayon::join(
-                    || links::with_links(blind, &alone),
-                    || links::with_links(both, &found),
-                );
+                // So many values are for both searches to ask for: where one does not, the other need not.
+                let asked = links::with_links(both, &found);
+                let asked = asked.and_then(|both| Some((links::with_links(blind, &alone)?, both)));
                 // Links that do not stand on the check recording must not have driven out what would.
-                let links = asked.0.zip(asked.1).map(seen).filter(|(_, _, c)| links::stand(&c.fit));
+                let links = asked.map(seen).filter(|(_, _, c)| links::stand(&c.fit));
                 links.unwrap_or_else(|| seen((alone, found)))
             }
         };
