@@ -12,22 +12,11 @@ const SHORTEST_BLOCK_S: f64 = 1.0;
 /// Rows are summed over as long before they are resampled, s.
 const BIN_S: f64 = 0.1;
 
-/// 90 % interval of `of(sum of a, sum of b)` over rows `dt` s apart, resampled in blocks.
+/// 90 % interval of `of(sum of a, sum of b)` over rows `dt` s apart, resampled in blocks. Of so `many` that are looked at
+/// all hold together with that probability at least (Bonferroni); 1 for one alone.
 pub fn interval(
-    a: &[f64],
-    b: &[f64],
-    dt: f64,
-    seed: u64,
-    of: impl Fn(f64, f64) -> f64,
-) -> [f64; 2] {
-    interval_among(1, a, b, dt, seed, of)
-}
-
-/// As [`interval`], for one among so many that are looked at: all of them hold together (Bonferroni).
-pub fn interval_among(
     many: usize,
-    a: &[f64],
-    b: &[f64],
+    [a, b]: [&[f64]; 2],
     dt: f64,
     seed: u64,
     of: impl Fn(f64, f64) -> f64,
@@ -58,9 +47,7 @@ mod tests {
         let before: Vec<f64> = (0..3000).map(|_| 1.0).collect();
         let after: Vec<f64> = (0..3000).map(|k| 0.9 * of(k)).collect();
         let share = |b: f64, a: f64| 1.0 - a / b;
-        let [alone, among] =
-            [1, 50].map(|many| interval_among(many, &before, &after, 0.01, 1, share));
-        assert_eq!(alone, interval(&before, &after, 0.01, 1, share));
+        let [alone, among] = [1, 50].map(|many| interval(many, [&before, &after], 0.01, 1, share));
         assert!(among[0] < alone[0] && alone[1] < among[1], "{alone:?} {among:?}");
     }
 }

@@ -93,7 +93,7 @@ impl Measured<'_> {
         let count: f64 = weight.iter().sum();
         let dt = self.samples.dt * rows.decimation as f64;
         let [low_nm, high_nm] = match count > 0.0 {
-            true => interval(&square, &weight, dt, self.seed, root),
+            true => interval(1, [&square, &weight], dt, self.seed, root),
             false => [0.0; 2],
         };
         Rms {

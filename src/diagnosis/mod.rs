@@ -63,7 +63,7 @@ pub use answer::{
     Rejected, Replaced, RoundEvidence, Scored, Shrink, SimulationShrink, TorqueShrink, Unexplained,
     UnexplainedJoint, Untestable, Value, Verdict,
 };
-pub use bootstrap::{interval, interval_among};
+pub use bootstrap::interval;
 pub use by::{By, JointPositionShrink, Position, PositionShrink};
 pub use change::Change;
 pub use conditioning::conditioning;

@@ -12,15 +12,15 @@ use crate::effects::Scope;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Offer {
     pub change: Change,
-    /// One among so many that may be, or the one that a search says it is.
+    /// How many are offered that no search says are there, where it is one of them; 1 where a search says that it is.
     pub among: usize,
 }
 
 /// What a change is in a model, and the change.
 type Proposed = (Term, Change);
 
-/// Causes that a search finds, and what may be one although no search says so. The most plausible comes first: what has
-/// most evidence alone.
+/// Causes that a search finds, and what may be one although no search says so, as terms of the model and as changes of the
+/// twin, in the same order. The most plausible comes first: what has most evidence alone.
 pub fn offered<'a>(
     search: &Hypotheses<'a>,
     [found, blind]: [&Found<'a>; 2],
@@ -102,6 +102,7 @@ fn is_free(c: Candidate, taken_up: &[Candidate]) -> bool {
 }
 
 /// A body, or what is the same at all joints: where a search has a cause at each of some joints, it may do what they do.
+/// What a sensor or a spring of one joint does to others that search has at the joint itself.
 fn is_of_the_arm(c: Candidate) -> bool {
     let of_a_joint = c.effect.about().scope == Scope::Joint || c.senses() || c.effect.gives_way();
     c.place == Place::Arm || !of_a_joint

@@ -64,8 +64,8 @@ impl BeforeAfter<'_> {
     /// Shrink over all joints together; the interval by block bootstrap.
     pub fn checked(&self, seed: u64) -> Checked {
         let (before, after, rows) = self.squares();
-        let [low, high] =
-            interval(&before, &after, self.samples.dt * self.decimation(), seed, fraction);
+        let dt = self.samples.dt * self.decimation();
+        let [low, high] = interval(1, [&before, &after], dt, seed, fraction);
         let (b, a): (f64, f64) = (before.iter().sum(), after.iter().sum());
         let rms = |sum: f64| (sum / rows.max(1) as f64).sqrt();
         Checked {

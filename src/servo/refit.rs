@@ -121,12 +121,6 @@ impl<'a> Refits<'a> {
         Ok(Refitted { twin: twin.clone(), estimates: estimates.collect() })
     }
 
-    /// Has a change that was fitted a shape at the end of its range?
-    pub fn is_at_bound(&self, fitted: &Twin, change: &Change) -> bool {
-        let own = parameters(fitted, change).unwrap_or_default();
-        own.iter().any(|f| f.parameter.role == Role::Nonlinear && f.is_bound(f.start))
-    }
-
     fn approached(
         &self,
         start: &Twin,
@@ -171,6 +165,15 @@ impl<'a> Refits<'a> {
         let fitted = &self.before.twin.values;
         open.filter_map(|name| Some((name.into(), fitted.get(name)?.clone()))).collect()
     }
+}
+
+/// Has a change that was fitted a shape (a nonlinear parameter) at the end of its range?
+///
+/// # Errors
+/// If the change has no parameters that can be fitted.
+pub fn is_at_bound(fitted: &Twin, change: &Change) -> Result<bool, ServoError> {
+    let own = parameters(fitted, change)?;
+    Ok(own.iter().any(|f| f.parameter.role == Role::Nonlinear && f.is_bound(f.start)))
 }
 
 /// `twin` with those values of the effects of `own` that no fit moves, as `found` has them, where it has none.

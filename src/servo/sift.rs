@@ -8,9 +8,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::refit::{Refits, Refitted};
+use super::refit::{Refits, Refitted, is_at_bound};
 use super::{ServoError, Track, replay};
-use crate::diagnosis::{Change, Offer, Settings, Stands, interval_among};
+use crate::diagnosis::{Change, Offer, Settings, Stands, interval};
 use crate::twin::Twin;
 
 /// Fits of changes to one recording, and another command along which a change has to hold.
@@ -32,8 +32,10 @@ struct Tried {
     twin: Twin,
     /// Each joint, rad.
     errors: Vec<Vec<f64>>,
-    /// What it takes off the sum of errors, each joint in units of what is left of it.
+    /// What it takes off the sum of errors alone, each joint in units of what is left of it.
     gain: f64,
+    /// Has the change a shape at the end of its range?
+    at_bound: bool,
 }
 
 impl Sieve<'_> {
@@ -101,10 +103,9 @@ impl Sieve<'_> {
         let (done, count) = (AtomicU64::new(0), offers.len() as u64);
         let tell = |done| self.refits.watch.tell("fitting by simulation, cause", done, count);
         let of = |(index, offer): (usize, &Offer)| -> Result<Tried, ServoError> {
-            let twin = self.refits.alone(&offer.change)?;
-            let errors = errors(&twin, self.check)?;
+            let tried = self.tried(index, offer, self.refits.alone(&offer.change)?)?;
             tell(1 + done.fetch_add(1, Ordering::Relaxed));
-            Ok(Tried { index, twin, gain: given - size(&errors), errors })
+            Ok(Tried { gain: given - size(&tried.errors), ..tried })
         };
         let mut all: Vec<Tried> =
             offers.par_iter().enumerate().map(of).collect::<Result<_, _>>()?;
@@ -120,10 +121,16 @@ impl Sieve<'_> {
         offers: &[Offer],
         alone: &Tried,
     ) -> Result<Tried, ServoError> {
-        let index = alone.index;
-        let twin = self.refits.beside(twin, &with(taken, &offers[index]), &alone.twin)?;
+        let offer = &offers[alone.index];
+        let twin = self.refits.beside(twin, &with(taken, offer), &alone.twin)?;
+        Ok(Tried { gain: alone.gain, ..self.tried(alone.index, offer, twin)? })
+    }
+
+    /// A twin that a change was fitted in, along the command of `check`; its gain alone is not known here.
+    fn tried(&self, index: usize, offer: &Offer, twin: Twin) -> Result<Tried, ServoError> {
         let errors = errors(&twin, self.check)?;
-        Ok(Tried { index, twin, errors, gain: alone.gain })
+        let at_bound = is_at_bound(&twin, &offer.change)?;
+        Ok(Tried { index, twin, errors, gain: 0.0, at_bound })
     }
 
     /// What brings the error nearer than `left`. Where that is more than one, fitted in full: of rivals the last bit counts.
@@ -133,18 +140,15 @@ impl Sieve<'_> {
         mut tried: Vec<Tried>,
         (taken, offers): (&[Change], &[Offer]),
     ) -> Result<Vec<Tried>, ServoError> {
-        let stands = |t: &Tried| {
-            let offer = &offers[t.index];
-            // What fits only at the end of its range is no cause.
-            let inside = || !self.refits.is_at_bound(&t.twin, &offer.change);
-            self.is_nearer(left, &t.errors, offer.among) && inside()
-        };
+        // What fits only at the end of its range is no cause.
+        let stands =
+            |t: &Tried| !t.at_bound && self.is_nearer(left, &t.errors, offers[t.index].among);
         tried.retain(stands);
         if tried.len() > 1 {
             let in_full = |t: &Tried| {
-                let twin = self.refits.all(&t.twin, &with(taken, &offers[t.index]))?.twin;
-                let errors = errors(&twin, self.check)?;
-                Ok(Tried { index: t.index, twin, errors, gain: t.gain })
+                let offer = &offers[t.index];
+                let twin = self.refits.all(&t.twin, &with(taken, offer))?.twin;
+                Ok(Tried { gain: t.gain, ..self.tried(t.index, offer, twin)? })
             };
             tried = tried.par_iter().map(in_full).collect::<Result<_, ServoError>>()?;
             tried.retain(stands);
@@ -200,7 +204,7 @@ impl Sieve<'_> {
     fn is_surely_nearer(&self, without: &[Vec<f64>], with: &[Vec<f64>], among: usize) -> bool {
         let units = self.units(with);
         let [b, a] = [without, with].map(|errors| summed(errors, &units));
-        let [low, _] = interval_among(among, &b, &a, self.check.dt, self.settings.seed, share);
+        let [low, _] = interval(among, [&b, &a], self.check.dt, self.settings.seed, share);
         low > 0.0
     }
 }
