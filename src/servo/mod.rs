@@ -32,5 +32,6 @@ pub use gap::{JointPosition, PositionGap};
 pub use linear::linearised;
 pub use parameters::{Free, free_parameters};
 pub use plant::{Plant, Yield};
+pub use refit::open_fitted;
 pub use replay::replay;
 pub use track::Track;

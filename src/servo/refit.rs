@@ -167,6 +167,14 @@ impl<'a> Refits<'a> {
     }
 }
 
+/// The twin with what it leaves open fitted to a recording.
+///
+/// # Errors
+/// As [`identify`].
+pub fn open_fitted(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, ServoError> {
+    Ok(Refits::new(twin, fit, watch)?.before.twin)
+}
+
 /// Has a change that was fitted a shape (a nonlinear parameter) at the end of its range?
 ///
 /// # Errors

@@ -98,7 +98,7 @@ fn write(
     let twin = Twin { drive: setup.drive.clone(), ..Twin::default() };
     write_text(&folder.join(TWIN), &twin.to_toml())?;
     write_settings(&folder, &told(how, plan))?;
-    third::write(&hiding.third_recording(third), out, name)?;
+    third::write(hiding.third_recording(third), out, name)?;
     let effects = hiding.effects.iter().map(|e| (&e.injection, &e.strength));
     let made = serde_json::json!({
         "draw": how,

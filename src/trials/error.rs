@@ -28,6 +28,8 @@ pub enum TrialError {
     #[error(transparent)]
     Signals(#[from] crate::signals::SignalError),
     #[error(transparent)]
+    Servo(#[from] crate::servo::ServoError),
+    #[error(transparent)]
     Scenario(#[from] crate::simulation::ScenarioError),
     #[error("case {case}: {source}")]
     Simulation { case: String, source: crate::simulation::SimulationError },

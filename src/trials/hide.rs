@@ -10,10 +10,10 @@ use super::nuisance::Nuisance;
 use super::plan::Plan;
 use super::shapes::{Ground, Shape, Size, shape};
 use super::strength::{over_noise, own_torque, rms};
-use super::third::Third;
-use super::{Strength, TrialError};
+use super::{Strength, TrialError, third};
 use crate::effects::{Mechanism, Motion, Needed};
-use crate::motion::{Sampled, Settings, Trajectory};
+use crate::motion::{Sampled, Trajectory};
+use crate::recording::Recording;
 use crate::robot::{Robot, inverse_dynamics_series};
 use crate::series::JointSeries;
 use crate::simulation::{Experiment, Injection, Run, Scenario};
@@ -58,13 +58,7 @@ impl Hiding {
     ) -> Result<Self, TrialError> {
         let scenario = arm(how.duration_s, rng);
         let made = scenario.work_out(case)?;
-        let third = Settings {
-            seed: scenario.motion.seed.wrapping_add(2),
-            duration_s: (0.5 * how.duration_s).max(6.0),
-            ..scenario.motion.clone()
-        };
-        let third = third
-            .trajectory(&made.setup.robot)
+        let third = third::motion(&scenario.motion, how.duration_s, &made.setup.robot)
             .map_err(|e| TrialError::Usage(format!("{case}: {e}")))?;
         let friction = ["coulomb", "viscous"].map(|name| values(&made, name));
         let robot = made.setup.robot.clone();
@@ -333,15 +327,13 @@ impl Hiding {
         run.shown.current.map_joints(|j, i| i.iter().map(|i| i * ampere(j)).collect())
     }
 
-    pub fn third_recording(&self, run: &Run) -> Third {
-        Third {
-            time: run.recording.time.clone(),
-            q: run.shown.q.clone(),
-            qd: run.exact.qd.clone(),
-            qdd: run.exact.qdd.clone(),
-            torque: self.torque(run),
-            temperature: run.exact.temperature.clone(),
-        }
+    pub fn third_recording(&self, run: &Run) -> Recording {
+        let torque = self.torque(run);
+        let (shown, exact) = (&run.shown, &run.exact);
+        third::by_torque(
+            &run.recording.time,
+            [&shown.q, &exact.qd, &exact.qdd, &torque, &exact.temperature],
+        )
     }
 }
 

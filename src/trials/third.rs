@@ -5,67 +5,63 @@ use std::path::Path;
 
 use super::seal::sealed_file;
 use super::{Seals, TrialError};
+use crate::motion::{MotionError, Settings, Trajectory};
 use crate::recording::{Channel, Provenance, Recording, read, write_csv};
+use crate::robot::Robot;
 use crate::series::JointSeries;
 
-/// Motion as the encoders show it, and the drive's torque.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Third {
-    pub time: Vec<f64>,
-    /// rad, rad/s, rad/s^2, N.m, deg C
-    pub q: JointSeries,
-    pub qd: JointSeries,
-    pub qdd: JointSeries,
-    pub torque: JointSeries,
-    pub temperature: JointSeries,
-}
-
-const STEMS: [&str; 5] =
+/// Of an arm whose torque is recorded: motion as the encoders show it, and the drive's torque; rad, rad/s, rad/s^2, N.m,
+/// deg C.
+pub const BY_TORQUE: [&str; 5] =
     ["actual_q", "actual_qd", "actual_qdd", "joint_torque", "joint_temperatures"];
+
+/// What is written is rounded to this, of a radian as of a newton metre.
+const STEPS: f64 = 1e6;
+const SHORTEST_S: f64 = 6.0;
+
+/// Another motion than those of the fit and the check recording, half as long as they are (s).
+///
+/// # Errors
+/// If the arm's settings do not work out.
+pub fn motion(fit: &Settings, duration_s: f64, robot: &Robot) -> Result<Trajectory, MotionError> {
+    let duration_s = (0.5 * duration_s).max(SHORTEST_S);
+    let third = Settings { seed: fit.seed.wrapping_add(2), duration_s, ..fit.clone() };
+    third.trajectory(robot)
+}
 
 fn name(case: &str) -> String {
     format!("{case}.third.csv.gz")
 }
 
-/// # Errors
-/// If it cannot be written.
-pub fn write(third: &Third, dir: &Path, case: &str) -> Result<(), TrialError> {
-    let series = [&third.q, &third.qd, &third.qdd, &third.torque, &third.temperature];
+/// A recording of [`BY_TORQUE`].
+pub fn by_torque(time: &[f64], series: [&JointSeries; 5]) -> Recording {
     let channel = |(stem, series): (&str, &JointSeries), j: usize| Channel {
         name: format!("{stem}_{j}"),
-        values: series.joint(j).iter().map(|x| (x * 1e6).round() / 1e6).collect(),
+        values: series.joint(j).to_vec(),
     };
-    let joints = third.q.joints();
-    let both = STEMS.into_iter().zip(series);
-    let recording = Recording {
-        time: third.time.clone(),
+    let joints = series[0].joints();
+    let both = BY_TORQUE.into_iter().zip(series);
+    Recording {
+        time: time.to_vec(),
         channels: both.flat_map(|both| (0..joints).map(move |j| channel(both, j))).collect(),
         provenance: Provenance::default(),
-    };
+    }
+}
+
+/// # Errors
+/// If it cannot be written.
+pub fn write(mut recording: Recording, dir: &Path, case: &str) -> Result<(), TrialError> {
+    let values = recording.channels.iter_mut().flat_map(|c| &mut c.values);
+    values.for_each(|x| *x = (*x * STEPS).round() / STEPS);
     Ok(write_csv(&recording, &sealed_file(dir, &name(case)))?)
 }
 
-impl Third {
-    /// The sealed recording of `case`.
-    ///
-    /// # Errors
-    /// If it is gone or does not match its seal.
-    pub fn open(seals: &Seals, dir: &Path, case: &str) -> Result<Self, TrialError> {
-        let name = name(case);
-        seals.open_file(dir, &name)?;
-        let file = sealed_file(dir, &name);
-        let recording = read(&file, None)?;
-        let series = |stem: &str| {
-            let missing = || TrialError::file(&file, format!("has no {stem}"));
-            recording.joints(stem).ok_or_else(missing)
-        };
-        Ok(Self {
-            q: series(STEMS[0])?,
-            qd: series(STEMS[1])?,
-            qdd: series(STEMS[2])?,
-            torque: series(STEMS[3])?,
-            temperature: series(STEMS[4])?,
-            time: recording.time.clone(),
-        })
-    }
+/// The sealed recording of `case`.
+///
+/// # Errors
+/// If it is gone or does not match its seal.
+pub fn open(seals: &Seals, dir: &Path, case: &str) -> Result<Recording, TrialError> {
+    let name = name(case);
+    seals.open_file(dir, &name)?;
+    Ok(read(&sealed_file(dir, &name), None)?)
 }

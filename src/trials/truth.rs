@@ -67,7 +67,7 @@ pub struct Truth {
     pub family: String,
     /// Standard deviation of the noise on each joint's torque, N.m; empty where not known or recorded.
     pub noise_nm: Vec<f64>,
-    /// Is there a noise-free third recording beside this file?
+    /// Is there a third recording, without noise, beside this file?
     pub third: bool,
     /// Somebody's own recordings the case is made of, to fit and to check.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -51,7 +51,7 @@ pub struct Judged {
     /// Shrink of the mean square as printed: on the check recording, and above its noise floor.
     pub predicted: Option<f64>,
     pub reducible: Option<f64>,
-    /// Shrink for the noise-free torque of a third recording, with what the answer names, and with the truth.
+    /// Shrink on a third recording without noise, with what the answer names, and with the truth.
     pub realised: Option<f64>,
     pub oracle: Option<f64>,
     pub baselines: Vec<JudgedBaseline>,
@@ -68,10 +68,15 @@ pub struct Judged {
     pub in_base: bool,
 }
 
+/// Share of what the truth closes of a gap that a stand-in for it closes.
+const STANDS_IN: f64 = 0.95;
+
 impl Judged {
-    /// What is named closes nearly all of the true gap on a recording it has not seen.
+    /// What is named closes nearly as much of the true gap on a recording it has not seen as what is hidden does: all
+    /// of it where the catalogue cannot state that.
     pub fn stands_in(&self) -> bool {
-        !self.causes.is_empty() && self.realised.is_some_and(|r| r >= 0.95)
+        let enough = STANDS_IN * self.oracle.unwrap_or(1.0);
+        !self.causes.is_empty() && self.realised.is_some_and(|r| r >= enough)
     }
 }
 

@@ -28,8 +28,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::case::TWIN;
-use super::third::Third;
-use super::{Answer, Kind, Seals, TrialError, Truth, case_folders};
+use super::{Answer, Kind, Seals, TrialError, Truth, case_folders, third};
 use crate::twin::Twin;
 
 /// Opens the seals of the trial in `dir` and holds the answers against what was hidden.
@@ -56,9 +55,9 @@ pub fn score_cases(
         let answer = load(&answers.join(format!("{name}.json")))?;
         let mut judged = judge(&truth, &answer);
         if let (true, Some(diagnosis)) = (truth.third, &answer.diagnosis) {
-            let third = Third::open(&seals, dir, &name)?;
+            let third = third::open(&seals, dir, &name)?;
             let twin = Twin::load(&folder.join(TWIN))?;
-            let (realised, oracle) = realised::realised(&twin, &third, &truth, diagnosis);
+            let (realised, oracle) = realised::realised(&twin, &third, &truth, diagnosis)?;
             (judged.realised, judged.oracle) = (Some(realised), oracle);
         }
         Ok::<_, TrialError>(judged)

@@ -62,7 +62,7 @@ fn goals_table(all: &[Judged]) -> String {
 
 /// Titles and tables of a trial of simulated cases.
 fn parts(all: &[Judged]) -> Vec<(&'static str, String)> {
-    vec![
+    let mut parts = vec![
         ("By strength, single effects", tables::by_strength(all)),
         ("By effect, strength 1 and above", tables::by_effect(all)),
         ("Where no name is right", tables::without_a_name(all)),
@@ -70,7 +70,11 @@ fn parts(all: &[Judged]) -> Vec<(&'static str, String)> {
         ("Calibration", tables::calibration(all)),
         ("Parameters of effects named exactly", tables::parameters(all)),
         ("Shrink of the mean square of the gap, medians", tables::shrink(all)),
-        ("Simpler rules on the same cases", tables::baselines(all)),
-        ("Not right", tables::missed(all)),
-    ]
+    ];
+    // They ask for a torque.
+    if all.iter().any(|j| !j.baselines.is_empty()) {
+        parts.push(("Simpler rules on the same cases", tables::baselines(all)));
+    }
+    parts.push(("Not right", tables::missed(all)));
+    parts
 }

@@ -224,7 +224,13 @@ fn figures_are_held_against_their_goals() {
     assert_eq!(met("wrong name"), Some(false));
     assert_eq!(met("false alarms"), None);
     assert_eq!(met("realised"), Some(false));
-    assert!(!all[0].stands_in() && Judged { realised: Some(0.97), ..all[0].clone() }.stands_in());
+    let stands_in = |realised: f64, oracle: Option<f64>| {
+        Judged { realised: Some(realised), oracle, ..all[0].clone() }.stands_in()
+    };
+    // As good as the truth, which closes 40 % of what a simulation leaves of this arm.
+    assert!(stands_in(0.39, Some(0.4)) && !stands_in(0.36, Some(0.4)));
+    // The catalogue cannot state the truth: nearly all.
+    assert!(stands_in(0.97, None) && !stands_in(0.9, None));
     assert_eq!(coverage(&all), Share { hits: 2, of: 2 });
     assert_eq!(of_oracle(&all), [0.9, 0.9]);
 }

@@ -4,21 +4,24 @@ use rand_chacha::ChaCha8Rng;
 
 use super::arm::{SCALE, URDF, arm};
 use super::position::Plain;
+use crate::motion::Trajectory;
 use crate::robot::{Chain, inverse_dynamics_series, urdf};
 use crate::simulation::{
-    Command, Experiment, Injection, Moved, Run, Scenario, Setup, Simulation, SimulationError,
+    Command, Experiment, Injection, Moved, Noise, Quantisation, Run, Scenario, Setup, Simulation,
+    SimulationError,
 };
 use crate::trials::asked::Draw;
 use crate::trials::drawn::inject;
 use crate::trials::plan::Plan;
 use crate::trials::shapes::{Ground, Shape, Size, shape};
-use crate::trials::{Strength, TrialError};
+use crate::trials::{Strength, TrialError, third};
 
 /// A case before it is simulated.
 pub struct Hiding {
     pub scenario: Scenario,
     pub made: Experiment,
     pub effects: Vec<Effect>,
+    third: Trajectory,
     /// The arm with the effects.
     hides: Setup,
 }
@@ -50,7 +53,10 @@ impl Hiding {
             true => None,
             false => Some(Plain::new(&made).map_err(ran_away)?),
         };
-        let mut hiding = Self { hides: made.setup.clone(), scenario, made, effects: Vec::new() };
+        let third = third::motion(&scenario.motion, how.duration_s, &made.setup.robot)
+            .map_err(|e| TrialError::Usage(format!("{case}: {e}")))?;
+        let hides = made.setup.clone();
+        let mut hiding = Self { scenario, made, effects: Vec::new(), third, hides };
         for (name, wanted) in &plan.effects {
             let shape = hiding.shape(name, rng)?;
             let Some(plain) = &plain else { continue };
@@ -126,16 +132,21 @@ impl Hiding {
         self.effects.iter().all(fair)
     }
 
-    /// Fit and check recording.
+    /// Fit and check recording, and a third one along another motion that encoders without noise and steps would show.
     ///
     /// # Errors
     /// If the arm runs away.
-    pub fn simulate(&self) -> Result<[Run; 2], SimulationError> {
-        let mut simulation = Simulation::new(&self.hides)?;
-        let mut follow = |command: &dyn Command, number: u64| {
-            simulation.run(command, self.made.seed, number, &mut |_| true)
+    pub fn simulate(&self) -> Result<[Run; 3], SimulationError> {
+        let sharp = Setup {
+            noise: Noise::default(),
+            quantisation: Quantisation::default(),
+            ..self.hides.clone()
         };
-        Ok([follow(&self.made.fit, 0)?, follow(&self.made.check, 1)?])
+        let run = |setup: &Setup, command: &dyn Command, number: u64| {
+            Simulation::new(setup)?.run(command, self.made.seed, number, &mut |_| true)
+        };
+        let Experiment { fit, check, .. } = &self.made;
+        Ok([run(&self.hides, fit, 0)?, run(&self.hides, check, 1)?, run(&sharp, &self.third, 2)?])
     }
 }
 

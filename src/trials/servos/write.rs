@@ -10,7 +10,7 @@ use crate::trials::asked::Draw;
 use crate::trials::case::{CHECK, FIT, ROBOT, TWIN, new_folder, write_settings, write_text};
 use crate::trials::drawn::{told, truth};
 use crate::trials::plan::Plan;
-use crate::trials::{TrialError, seal};
+use crate::trials::{TrialError, Truth, seal, third};
 use crate::twin::Twin;
 
 /// A simulation begins where its command does, and the arm sags from there to where its servos hold it, s.
@@ -31,14 +31,16 @@ pub fn write(
     name: &str,
     attempt: u64,
     hiding: &Hiding,
-    [fit, check]: &[Run; 2],
+    [fit, check, third]: &[Run; 3],
     out: &Path,
 ) -> Result<(), TrialError> {
     let folder = out.join(name);
     new_folder(&folder)?;
+    let settled = |run: &Run| run.recording.between(Some(SETTLED_S), None);
     for (run, file) in [(fit, FIT), (check, CHECK)] {
-        write_csv(&run.recording.between(Some(SETTLED_S), None), &folder.join(file))?;
+        write_csv(&settled(run), &folder.join(file))?;
     }
+    third::write(settled(third), out, name)?;
     write_text(&folder.join(ROBOT), URDF)?;
     let setup = &hiding.made.setup;
     write_text(&folder.join(TWIN), &twin(setup).to_toml())?;
@@ -50,5 +52,6 @@ pub fn write(
         "scenario": hiding.scenario,
         "position_noise_rad": position_noise(),
     });
-    seal::write_truth(out, &truth(how, plan, name, effects, setup.robot.dof(), made))
+    let truth = truth(how, plan, name, effects, setup.robot.dof(), made);
+    seal::write_truth(out, &Truth { third: true, ..truth })
 }
