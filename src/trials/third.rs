@@ -33,7 +33,7 @@ fn name(case: &str) -> String {
     format!("{case}.third.csv.gz")
 }
 
-/// A recording of [`BY_TORQUE`].
+/// A recording of [`BY_TORQUE`], every joint at every time (s).
 pub fn by_torque(time: &[f64], series: [&JointSeries; 5]) -> Recording {
     let channel = |(stem, series): (&str, &JointSeries), j: usize| Channel {
         name: format!("{stem}_{j}"),
@@ -48,6 +48,8 @@ pub fn by_torque(time: &[f64], series: [&JointSeries; 5]) -> Recording {
     }
 }
 
+/// Seals the third recording of `case`, its values rounded.
+///
 /// # Errors
 /// If it cannot be written.
 pub fn write(mut recording: Recording, dir: &Path, case: &str) -> Result<(), TrialError> {

@@ -12,18 +12,19 @@ use crate::twin::Twin;
 ///
 /// # Errors
 /// If a channel is missing.
-pub fn left(third: &Recording) -> Result<Left, TrialError> {
-    let samples = samples(third)?;
+pub fn left(third: &Recording, case: &str) -> Result<Left, TrialError> {
+    let samples = samples(third, case)?;
     Ok(Box::new(move |twin| Ok(mean_square(twin, &samples))))
 }
 
-fn samples(third: &Recording) -> Result<Samples, TrialError> {
+fn samples(third: &Recording, case: &str) -> Result<Samples, TrialError> {
     let dt = match third.time.as_slice() {
         [a, b, ..] => b - a,
         _ => 1.0,
     };
     let series = |stem: &str| {
-        let missing = || TrialError::Usage(format!("a third recording has no {stem}: draw again"));
+        let lacks = || format!("{case}: the third recording has no {stem}; draw the cases again");
+        let missing = || TrialError::Usage(lacks());
         third.joints(stem).ok_or_else(missing)
     };
     let [q, qd, qdd, torque, temperature] = BY_TORQUE;

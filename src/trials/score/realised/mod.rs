@@ -6,20 +6,20 @@ mod by_torque;
 use std::collections::BTreeMap;
 
 use super::super::{Hidden, TrialError, TrueValue, Truth};
-use crate::diagnosis::{Cause, Checked, Diagnosis, Value, mend};
+use crate::diagnosis::{Change, Diagnosis, Value, changed};
 use crate::effects;
 use crate::recording::Recording;
 use crate::twin::Twin;
 
-/// Mean square that a twin leaves of a recording.
+/// Mean square that a twin leaves of a recording, N.m^2 or rad^2.
 type Left = Box<dyn Fn(&Twin) -> Result<f64, TrialError>>;
 
-/// Shrink of the mean square of the gap on the third recording, what the twin leaves open fitted there: with the
+/// Shrink of the mean square of the gap (1: all of it) on the third recording, what the twin leaves open fitted there: with the
 /// causes of the answer, and with the hidden effects at their true values (`None` where the
 /// catalogue cannot state them).
 ///
 /// # Errors
-/// If the recording is not of this arm, or an arm of position servos cannot be simulated as given.
+/// If the recording lacks a channel of this arm, or an arm of position servos cannot be simulated as given.
 pub fn realised(
     twin: &Twin,
     third: &Recording,
@@ -28,48 +28,43 @@ pub fn realised(
 ) -> Result<(f64, Option<f64>), TrialError> {
     let left = match &twin.drive.servo {
         Some(servo) => by_position::left(third, twin, servo)?,
-        None => by_torque::left(third)?,
+        None => by_torque::left(third, &truth.case)?,
     };
     let before = left(twin)?;
-    let shrink = |causes: &[Cause]| -> Result<f64, TrialError> {
-        let mended = mend(twin, &BTreeMap::new(), causes);
-        Ok(1.0 - left(&mended)? / before)
+    let shrink = |changes: &[Change]| -> Result<f64, TrialError> {
+        Ok(1.0 - left(&changed(twin, &BTreeMap::new(), changes))? / before)
     };
-    let hidden: Option<Vec<Cause>> = truth.effects.iter().map(hidden).collect();
+    let named: Vec<Change> = diagnosis.causes.iter().map(Change::from).collect();
+    let hidden: Option<Vec<Change>> = truth.effects.iter().map(hidden).collect();
     let oracle = hidden.filter(|h| !h.is_empty()).map(|hidden| shrink(&hidden)).transpose()?;
-    Ok((shrink(&diagnosis.causes)?, oracle))
+    Ok((shrink(&named)?, oracle))
 }
 
-/// A hidden effect as an answer would state it.
-fn hidden(hidden: &Hidden) -> Option<Cause> {
+/// A hidden effect as a change of the twin; `None` where the catalogue cannot state it.
+fn hidden(hidden: &Hidden) -> Option<Change> {
     effects::find(&hidden.effect)?;
-    // One value stands for all joints, several each for its own.
-    let joint = |p: &TrueValue, i: usize| {
-        let own = hidden.joints.get(i).copied().unwrap_or(i + 1);
-        (p.values.len() > 1).then_some(own)
+    let values = |p: &TrueValue| -> Vec<Value> {
+        p.values.iter().enumerate().map(|(i, value)| stated(hidden, p, i, *value)).collect()
     };
-    let value = |(p, (i, &value)): (&TrueValue, (usize, &f64))| Value {
+    let Hidden { effect, joints, parameters, .. } = hidden;
+    Some(Change {
+        effect: effect.clone(),
+        joints: joints.clone(),
+        parameters: parameters.iter().flat_map(values).collect(),
+        replaces: false,
+    })
+}
+
+/// Value number `i` of a parameter: one stands for all joints, several each for its own.
+fn stated(hidden: &Hidden, p: &TrueValue, i: usize, value: f64) -> Value {
+    let own = hidden.joints.get(i).copied().unwrap_or(i + 1);
+    Value {
         name: p.name.clone(),
-        joint: joint(p, i),
+        joint: (p.values.len() > 1).then_some(own),
         unit: String::new(),
         value,
         low: value,
         high: value,
         at_bound: false,
-    };
-    let values =
-        hidden.parameters.iter().flat_map(|p| p.values.iter().enumerate().map(move |v| (p, v)));
-    Some(Cause {
-        effect: hidden.effect.clone(),
-        joints: hidden.joints.clone(),
-        probability: 1.0,
-        equivalent: Vec::new(),
-        parameters: values.map(value).collect(),
-        shrink: Checked::default(),
-        replaces: None,
-        recording: None,
-        found_without_check: true,
-        cause: String::new(),
-        remedy: String::new(),
-    })
+    }
 }
