@@ -9,9 +9,12 @@ use super::Settings;
 use super::discrepancy::{Discrepancy, GROUPS};
 use super::kept::Kept;
 use super::observed::Observed;
+use super::sizes::Sizes;
+use super::tolerances::Tolerances;
 use crate::follow::Watch;
 use crate::regression::random_effects::{Features, JointMetric, Metric, ln_likelihood};
 use crate::regression::{Blocks, Raw};
+use crate::robot::Robot;
 use crate::twin::Twin;
 
 /// Share of the sensors' noise floor that no model is believed to fall short of: the floor is an
@@ -27,8 +30,8 @@ pub struct Data<'a> {
     pub rated: Vec<f64>,
     /// Share of each joint's rows that is independent of the others: every row is scaled by its square root.
     pub shares: Vec<f64>,
-    /// How well the scale of torque is known beside that of the links' masses, relative.
-    pub scale_error: f64,
+    /// What the twin states within limits.
+    pub tolerances: Tolerances,
     /// Who may end the work on them.
     pub watch: &'a dyn Watch,
     /// Columns that a search comes back to.
@@ -46,7 +49,8 @@ impl<'a> Data<'a> {
             discrepancy.features(j, noise, move |p, series| parts[p].block(j, series))
         };
         data.features = Arc::new((0..data.joints()).into_par_iter().map(rows).collect());
-        data.scale_error = settings.mass_error;
+        let noise: Vec<f64> = (0..data.joints()).map(|j| data.least(j)).collect();
+        data.tolerances = Tolerances::new(&data.parts, &noise, settings);
         data
     }
 
@@ -57,9 +61,9 @@ impl<'a> Data<'a> {
         let features = Arc::new((0..parts[0].joints()).map(|_| none()).collect());
         let rated = (0..parts[0].joints()).map(|j| rated(&parts, j)).collect();
         let shares = vec![1.0; parts[0].joints()];
-        let (scale_error, kept) = (0.0, Kept::default());
+        let (tolerances, kept) = (Tolerances::none(), Kept::default());
         let watch = &();
-        Self { twin, parts, features, rated, shares, scale_error, watch, kept }
+        Self { twin, parts, features, rated, shares, tolerances, watch, kept }
     }
 
     /// These recordings, in work that `watch` may end.
@@ -131,14 +135,24 @@ impl<'a> Data<'a> {
         self.kept.get(key, || self.fresh(work_out))
     }
 
-    /// No discrepancy anywhere.
-    pub fn nothing(&self) -> Vec<Vec<u8>> {
-        vec![vec![0; GROUPS.len()]; self.joints()]
+    /// Columns of what the twin states within limits, of an arm that carries what `laden` does.
+    pub fn within_tolerances(&self, laden: &Robot) -> Vec<Raw> {
+        if self.tolerances.count() == 0 {
+            return Vec::new();
+        }
+        let links = self.kept("tolerances", |p| self.tolerances.of_links(self.parts[p]));
+        let scales = self.fresh(|p| self.tolerances.of_scales(self.parts[p], laden));
+        links.iter().cloned().chain(scales).collect()
     }
 
-    pub fn metric(&self, steps: &[Vec<u8>]) -> Metric {
+    /// No discrepancy anywhere, and a twin that is exact.
+    pub fn nothing(&self) -> Sizes {
+        Sizes::nothing(self.joints())
+    }
+
+    pub fn metric(&self, sizes: &Sizes) -> Metric {
         let joint = |(f, s): (&Features, &Vec<u8>)| f.metric(s);
-        Metric { joints: self.features.iter().zip(steps).map(joint).collect() }
+        Metric { joints: self.features.iter().zip(&sizes.joints).map(joint).collect() }
     }
 
     /// Log-likelihood of a joint's rows that leave `squares` in a metric, the discrepancy integrated

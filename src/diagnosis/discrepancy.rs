@@ -1,6 +1,6 @@
 //! The model discrepancy: what a twin of this kind may leave out, whatever the law.
 //!
-//! Per joint a smooth function of the motion of any shape, masses as far as they are known, what changes slowly in
+//! Per joint a smooth function of the motion of any shape, a channel that is a part of a sample late, what changes slowly in
 //! time, and friction that is another on another day, each of a size that the data decide (Kennedy and O'Hagan, "Bayesian
 //! calibration of computer models", J. R. Stat. Soc. B 63, 2001): on an exact twin it goes to
 //! nothing, on a real arm it is what is always left. A cause has to earn its place beside it, which
@@ -17,15 +17,12 @@ use super::model::Model;
 use super::observed::Observed;
 use crate::effects::Motion;
 use crate::regression::random_effects::Features;
-use crate::robot::{Body, body_regressor_series};
 use crate::signals::central_difference;
 
 /// Groups, each with a size of its own.
-pub const GROUPS: [&str; 5] = ["posture", "masses", "timing", "time", "friction"];
-/// The place of "masses" among them.
-pub const MASSES: usize = 1;
+pub const GROUPS: [&str; 4] = ["posture", "timing", "time", "friction"];
 /// Groups whose size is known beforehand: no larger than the features as they come.
-const KNOWN: [&str; 2] = ["masses", "timing"];
+const KNOWN: [&str; 1] = ["timing"];
 /// The group of what the twin leaves open: its mean belongs to that.
 const OPEN: &str = "friction";
 /// Share of the time between samples: channels are not taken at one instant better than this.
@@ -54,7 +51,6 @@ pub struct Discrepancy<'a> {
     parts: &'a [&'a Observed<'a>],
     scales: Scales,
     waves: Vec<(Vec<f64>, f64)>,
-    settings: &'a Settings,
 }
 
 impl<'a> Discrepancy<'a> {
@@ -82,7 +78,7 @@ impl<'a> Discrepancy<'a> {
             (direction, rng.random::<f64>() * TAU)
         };
         let waves = (0..POSTURE_FEATURES).map(|_| wave()).collect();
-        Self { parts, scales, waves, settings }
+        Self { parts, scales, waves }
     }
 
     /// The features of a joint over the rows of all recordings, whose noise has this standard
@@ -137,7 +133,6 @@ impl<'a> Discrepancy<'a> {
     fn series(&self, group: &str, part: usize, joint: usize) -> Vec<Series> {
         match group {
             "posture" => self.posture(part),
-            "masses" => self.masses(part, joint),
             "timing" => self.timing(part, joint),
             "time" => self.time(part),
             _ => self.friction(part, joint),
@@ -164,23 +159,6 @@ impl<'a> Discrepancy<'a> {
             sum
         };
         self.waves.iter().map(wave).collect()
-    }
-
-    /// Masses and centres of the links as far as they are known beforehand, at this joint alone.
-    fn masses(&self, part: usize, joint: usize) -> Vec<Series> {
-        let Observed { samples, twin, .. } = self.parts[part];
-        if self.settings.mass_error <= 0.0 {
-            return Vec::new();
-        }
-        let robot = &twin.robot;
-        let mut all = Vec::new();
-        for (link, body) in robot.bodies.iter().enumerate().skip(joint) {
-            let columns = body_regressor_series(robot, &samples.q, &samples.qd, &samples.qdd, link);
-            for (column, sd) in columns.iter().zip(mass_errors(body, self.settings)) {
-                all.push(column.joint(joint).iter().map(|c| sd * c).collect());
-            }
-        }
-        all
     }
 
     /// A torque that is recorded a part of a sample earlier or later than the motion.
@@ -223,13 +201,6 @@ impl<'a> Discrepancy<'a> {
         let of = |p: usize| if p == part { columns.clone() } else { none.clone() };
         (0..self.parts.len()).flat_map(of).collect()
     }
-}
-
-/// How far mass (kg) and first moments (kg.m) of a link may be off, standard deviations.
-pub fn mass_errors(body: &Body, settings: &Settings) -> [f64; 4] {
-    let mass = settings.mass_error * body.inertia.mass;
-    let moment = settings.centre_error_m * body.inertia.mass + mass * body.inertia.com.norm();
-    [mass, moment, moment, moment].map(|sd| sd.max(f64::MIN_POSITIVE))
 }
 
 /// Mean and standard deviation of a series.
@@ -280,7 +251,7 @@ mod tests {
     use crate::twin::Twin;
 
     const JOINT: usize = 2;
-    const FRICTION: usize = 4;
+    const FRICTION: usize = 3;
 
     /// A run of an arm with viscous friction of `viscous` N.m.s/rad at `JOINT`.
     fn recorded(speed: f64, viscous: f64) -> Samples {
@@ -303,7 +274,7 @@ mod tests {
         let data = Data::new(vec![&fit, &check], &Settings::default());
         let all: Vec<usize> = (0..6).collect();
         let sizes = Fit::plain(&data, Model::of(&twin)).likely_sizes(&all);
-        sizes.iter().map(|joint| joint[FRICTION]).collect()
+        sizes.joints.iter().map(|joint| joint[FRICTION]).collect()
     }
 
     #[test]

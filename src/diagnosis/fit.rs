@@ -9,9 +9,11 @@ use super::candidate::{Candidate, Term, shown};
 use super::data::Data;
 use super::model::Model;
 use super::observed::Observed;
+use super::sizes::Sizes;
+use super::tolerances;
 use crate::effects::{Motion, Rigid, Role};
 use crate::follow::go_on;
-use crate::regression::random_effects::{Metric, Profile};
+use crate::regression::random_effects::{ENTRIES, Metric, Profile, STEPS};
 use crate::regression::{Blocks, Column, Normal, Raw, System};
 use crate::series::JointSeries;
 
@@ -26,8 +28,8 @@ pub const EXPECTED_SHARE: f64 = 0.1;
 pub struct Fit<'a> {
     pub data: &'a Data<'a>,
     pub model: Model,
-    /// Sizes of the discrepancy, joint by joint and group by group.
-    pub sizes: Vec<Vec<u8>>,
+    /// Sizes of the discrepancy and of what the twin states within limits.
+    pub sizes: Sizes,
     pub metric: Metric,
     pub system: System,
     /// Sum of squares left in the metric, joint by joint, (N.m)^2.
@@ -43,10 +45,11 @@ impl<'a> Fit<'a> {
     /// Least squares beside a discrepancy of these sizes; joints are weighted by what the model leaves
     /// of them, in two rounds. Again where one cause depends on the values of another, until they
     /// agree: columns that belong to other values predict another recording badly.
-    pub fn new(data: &'a Data<'a>, model: Model, sizes: Vec<Vec<u8>>) -> Self {
+    pub fn new(data: &'a Data<'a>, model: Model, sizes: Sizes) -> Self {
         let mut fit = Self::once(data, model, sizes);
         for _ in 0..MOST_PASSES {
-            if !fit.model.is_entangled() {
+            let scaled = fit.sizes.tolerances > 0 && fit.model.carries();
+            if !(scaled || fit.model.is_entangled()) {
                 break;
             }
             let before = fit.system.x.clone();
@@ -63,14 +66,15 @@ impl<'a> Fit<'a> {
         Self::new(data, model, data.nothing())
     }
 
-    fn once(data: &'a Data<'a>, mut model: Model, sizes: Vec<Vec<u8>>) -> Self {
+    fn once(data: &'a Data<'a>, mut model: Model, sizes: Sizes) -> Self {
         go_on(data.watch);
         let built: Vec<Built> = data.parts.par_iter().map(|p| Built::new(p, &model)).collect();
-        let columns = columns(data, &model, &built);
+        let mut columns = columns(data, &model, &built);
+        columns.extend(data.within_tolerances(&model.laden));
         let y = recorded(data, &model, &built);
         let normal = Normal::new(columns, y);
         let metric = data.metric(&sizes);
-        let system = solved(data, &model, &normal, &metric);
+        let system = solved(data, &model, &normal, &metric, sizes.tolerances);
         let each = data.parts.par_iter().zip(&built);
         let modelled = Arc::new(each.map(|(p, b)| b.modelled(p, &system.x)).collect());
         model.carry(data.twin, &system.x);
@@ -79,8 +83,13 @@ impl<'a> Fit<'a> {
         Self { data, model, sizes, metric, system, squares, normal, modelled, rigid }
     }
 
+    /// Is nothing left out at a joint?
+    pub fn is_exact(&self, j: usize) -> bool {
+        self.metric.joints[j].is_plain() && self.sizes.tolerances == 0
+    }
+
     /// This fit beside a discrepancy of other sizes.
-    pub fn beside(mut self, sizes: Vec<Vec<u8>>) -> Self {
+    pub fn beside(mut self, sizes: Sizes) -> Self {
         if sizes == self.sizes {
             return self;
         }
@@ -90,13 +99,49 @@ impl<'a> Fit<'a> {
         self
     }
 
-    /// The most likely sizes of the discrepancy at `joints`, the others as they are.
-    pub fn likely_sizes(&self, joints: &[usize]) -> Vec<Vec<u8>> {
-        let mut sizes = self.sizes.clone();
+    /// The most likely sizes of the discrepancy at `joints` and of what the twin states within limits, the
+    /// others as they are.
+    pub fn likely_sizes(&self, joints: &[usize]) -> Sizes {
+        let within = self.within_likely_tolerances();
+        let mut sizes = within.sizes.clone();
         for &j in joints {
-            sizes[j] = self.profile(j).best(&sizes[j]).0;
+            sizes.joints[j] = within.profile(j).best(&sizes.joints[j]).0;
         }
-        sizes
+        match sizes == within.sizes {
+            true => sizes,
+            false => within.beside(sizes).within_likely_tolerances().sizes,
+        }
+    }
+
+    /// This fit with the tolerances as large as makes the data most likely, by a climb over their grid.
+    fn within_likely_tolerances(&self) -> Self {
+        let mut best = self.clone();
+        if self.data.tolerances.count() == 0 {
+            return best;
+        }
+        let mut top = best.ln_evidence();
+        let mut climbs = |step: u8, best: &mut Self| {
+            let fit = self.clone().beside(Sizes { tolerances: step, ..self.sizes.clone() });
+            let nats = fit.ln_evidence();
+            let better = nats > top;
+            if better {
+                (*best, top) = (fit, nats);
+            }
+            better
+        };
+        match self.sizes.tolerances {
+            0 if !ENTRIES.iter().any(|step| climbs(*step, &mut best)) => return best,
+            1.. if climbs(0, &mut best) => return best,
+            _ => {}
+        }
+        for direction in [-1i8, 1] {
+            while let Some(step) = best.sizes.tolerances.checked_add_signed(direction) {
+                if step == 0 || step > STEPS || !climbs(step, &mut best) {
+                    break;
+                }
+            }
+        }
+        best
     }
 
     fn profile(&self, j: usize) -> Profile<'_> {
@@ -109,16 +154,27 @@ impl<'a> Fit<'a> {
     /// best values of what the twin leaves open, and averaged over what is expected of the causes'
     /// linear parameters; nats, up to a constant of the data.
     pub fn ln_evidence(&self) -> f64 {
-        let joints: f64 = (0..self.squares.len()).map(|j| self.ln_likelihood(j)).sum();
         let starts = self.model.causes.iter().map(Term::ln_starts).sum::<f64>();
-        joints - self.system.occam_penalty() - starts
+        self.ln_likelihoods() - self.system.occam_penalty(0) - starts
     }
 
     /// Evidence for a discrepancy over none beside the same causes, nats: the best of so many sizes.
     pub fn evidence_of_discrepancy(&self) -> f64 {
-        let groups: usize = self.sizes.iter().map(Vec::len).sum();
         let plain = self.clone().beside(self.data.nothing());
-        (self.ln_evidence() - plain.ln_evidence()) - (groups.max(1) as f64).ln()
+        (self.ln_evidence() - plain.ln_evidence()) - (self.sizes.count() as f64).ln()
+    }
+
+    /// Log-likelihood of all rows at the best values of what the model has, averaged over what the twin states
+    /// within limits, nats.
+    pub fn ln_likely(&self) -> f64 {
+        self.ln_likelihoods() - self.system.occam_penalty(self.terms())
+    }
+
+    /// That of all joints; to have chosen the size of the tolerances costs what it is among all.
+    fn ln_likelihoods(&self) -> f64 {
+        let joints: f64 = (0..self.squares.len()).map(|j| self.ln_likelihood(j)).sum();
+        let chosen = if self.sizes.tolerances > 0 { f64::from(STEPS).ln() } else { 0.0 };
+        joints - chosen
     }
 
     /// Log-likelihood of joint `j`'s rows, nats.
@@ -127,9 +183,10 @@ impl<'a> Fit<'a> {
     }
 
     /// Metric and solution of this model beside a discrepancy of other sizes.
-    pub fn seen_beside(&self, sizes: &[Vec<u8>]) -> (Metric, System) {
+    pub fn seen_beside(&self, sizes: &Sizes) -> (Metric, System) {
         let metric = self.data.metric(sizes);
-        let system = solved(self.data, &self.model, &self.normal, &metric);
+        let tolerances = sizes.tolerances;
+        let system = solved(self.data, &self.model, &self.normal, &metric, tolerances);
         (metric, system)
     }
 
@@ -202,6 +259,25 @@ impl<'a> Fit<'a> {
         Built::new(other, &self.model).residual(&self.system.x)
     }
 
+    /// What the fitted values leave of a recording within the twin's tolerances, N.m at its rows.
+    pub fn held_within(&self, other: &Observed<'_>) -> Blocks {
+        let mut left = self.held_against(other);
+        let known = self.tolerances();
+        let within = self.data.tolerances.torque(other, &self.model.laden, known);
+        left.add_scaled(-1.0, &within);
+        left
+    }
+
+    /// Values of what the twin states within limits, in units of its tolerances; none where it is exact.
+    fn tolerances(&self) -> &[f64] {
+        &self.system.x.as_slice()[self.terms()..]
+    }
+
+    /// How many linear values the terms of the model have.
+    pub fn terms(&self) -> usize {
+        self.model.terms().map(|t| t.candidate.linear()).sum()
+    }
+
     /// Does cause `i` change what a recording shows?
     pub fn acts_in(&self, i: usize, other: &Observed<'_>) -> bool {
         let cause = &self.model.causes[i];
@@ -223,15 +299,6 @@ impl<'a> Fit<'a> {
         free.causes.iter_mut().for_each(|t| t.held.fill(false));
         let built: Vec<Built> = self.data.parts.iter().map(|p| Built::new(p, &free)).collect();
         columns(self.data, &free, &built)
-    }
-
-    /// d torque / d scale of all torque: what the model gives, N.m.
-    pub fn scale(&self) -> Raw {
-        let part = |(p, modelled): (&&Observed, &JointSeries)| {
-            let joint = |j: usize| p.block(j, modelled.joint(j));
-            Blocks((0..p.joints()).map(joint).collect())
-        };
-        self.data.raw(self.data.parts.iter().zip(self.modelled.iter()).map(part).collect())
     }
 
     /// What another model gives at the values of this one, less the recorded torque, N.m.
@@ -267,8 +334,17 @@ fn recorded(data: &Data<'_>, model: &Model, built: &[Built]) -> Raw {
 
 /// Least squares in two rounds: the weights of the second are what the first leaves. The twin's own friction
 /// that would have to push is held at zero.
-fn solved(data: &Data<'_>, model: &Model, normal: &Normal, metric: &Metric) -> System {
+fn solved(
+    data: &Data<'_>,
+    model: &Model,
+    normal: &Normal,
+    metric: &Metric,
+    tolerances: u8,
+) -> System {
     let mut priors = priors(data, model, &normal.columns);
+    if tolerances > 0 {
+        priors.resize(normal.columns.len(), tolerances::size(tolerances));
+    }
     let start = Column::new(&normal.y, metric).squares();
     let first = System::solve(normal, metric, data.weights(&start), priors.clone());
     let weights = data.weights(&first.residual.squares());

@@ -13,6 +13,7 @@ use super::fit::Fit;
 use super::model::Model;
 use super::refine;
 use super::screen::{Screened, screen};
+use super::sizes::Sizes;
 use super::trial::{self, Trial};
 
 /// Candidates that are refined and weighed in full: a screening is right to within a few.
@@ -76,10 +77,8 @@ impl<'a> Standing<'a> {
         let linear = h.fit.model.range(last).zip(&term.held).filter(|(_, held)| !**held);
         let told: f64 = linear.map(|(i, _)| h.fit.system.determined(i)).sum();
         let values = told + term.shapes().count() as f64;
-        let joints = 0..self.without.data.joints();
-        let all = |fit: &Fit<'a>| joints.clone().map(|j| fit.ln_likelihood(j)).sum::<f64>();
-        let best = all(&fit).max(all(&fit.beside(self.cause().fit.sizes.clone())));
-        best - all(&self.without) - price * values
+        let beside = fit.clone().beside(self.cause().fit.sizes.clone());
+        fit.ln_likely().max(beside.ln_likely()) - self.without.ln_likely() - price * values
     }
 }
 
@@ -189,7 +188,7 @@ impl<'a> Hypotheses<'a> {
         let touched = self.touched(trial.candidate);
         let adopted = Adopted::new(beside, trial);
         // What costs no more than tells nothing is not pressed against.
-        let exact = touched.iter().all(|j| adopted.fit.metric.joints[*j].is_plain());
+        let exact = touched.iter().all(|j| adopted.fit.is_exact(*j));
         let nats = adopted.fit.ln_evidence() - state.ln_evidence();
         let adopted = adopted.inside(self.criteria.margin(nats, exact));
         let Adopted { trial, fit, at_bound, .. } = adopted;
@@ -206,8 +205,8 @@ impl<'a> Hypotheses<'a> {
     }
 
     /// A term at its values, added to a state; a discrepancy of these sizes may be beside it.
-    pub fn tried(&self, state: &Fit<'a>, sizes: &[Vec<u8>], term: &Term) -> Hypothesis<'a> {
-        let beside = state.clone().beside(sizes.to_vec());
+    pub fn tried(&self, state: &Fit<'a>, sizes: &Sizes, term: &Term) -> Hypothesis<'a> {
+        let beside = state.clone().beside(sizes.clone());
         self.adopted(state, &beside, trial::tried(state, term))
     }
 

@@ -10,11 +10,11 @@ use nalgebra::{Cholesky, DVector};
 use statrs::function::gamma::gamma_lr;
 
 use super::candidate::{Candidate, Extent};
-use super::discrepancy::MASSES;
 use super::fit::Fit;
 use super::independent::{LEVEL, independent};
-use super::{Value, windows};
+use super::{Value, tolerances, windows};
 use crate::effects::{Effect, Parameter, Ratio, Role};
+use crate::regression::random_effects::STEPS;
 use crate::regression::{Normal, Raw, System};
 use crate::statistics::{normal_quantile, student_quantile};
 
@@ -149,44 +149,38 @@ fn information(fit: &Fit<'_>) -> (Systems, Places) {
     }
     let shares = independent(fit);
     let weights: Vec<f64> = fit.system.weights.iter().zip(shares).map(|(w, s)| w * s).collect();
-    let mut priors = fit.system.priors.clone();
+    let terms = fit.terms();
+    let mut priors = fit.system.priors[..terms].to_vec();
     priors.resize(columns.len(), f64::INFINITY);
-    let residual = fit.predicted(&fit.model);
-    let normal = Normal::new(columns.clone(), residual.clone());
+    let own = columns.len();
+    columns.extend(fit.data.within_tolerances(&fit.model.laden));
+    let (tolerances, all) = (fit.sizes.tolerances, columns.len());
+    let within = |step: u8| {
+        let mut priors = priors.clone();
+        priors.resize(if step == 0 { own } else { all }, tolerances::size(step));
+        priors
+    };
+    let normal = Normal::new(columns, fit.predicted(&fit.model));
     let solve = |without: Option<usize>| {
         let here = |(j, w): (usize, &f64)| if without == Some(j) { 0.0 } else { *w };
         let weights = weights.iter().enumerate().map(here).collect();
-        System::solve(&normal, &fit.metric, weights, priors.clone())
+        System::solve(&normal, &fit.metric, weights, within(tolerances))
     };
     let several = fit.model.causes.iter().any(|t| t.candidate.extent() == Extent::Several);
     let joints = if several { fit.data.joints() } else { 0 };
     let moving = (0..joints).filter(|j| fit.data.rows(*j) > 0);
     let without = moving.map(|j| solve(Some(j))).collect();
     let all = solve(None);
-    let scaled = (fit.data.scale_error > 0.0).then(|| {
-        columns.push(fit.scale());
-        let priors = [&priors[..], &[fit.data.scale_error]].concat();
-        let normal = Normal::new(columns, residual);
-        System::solve(&normal, &fit.data.metric(&unsure(fit)), weights.clone(), priors)
-    });
-    (Systems { all, scaled, without }, places)
+    // As unsure as the twin is said to be, whatever is most likely.
+    let unsure = System::solve(&normal, &fit.metric, weights.clone(), within(STEPS));
+    (Systems { all, unsure, without }, places)
 }
 
-/// Sizes of the discrepancy with the links' masses as unsure as they are said to be, whatever is most
-/// likely.
-fn unsure(fit: &Fit<'_>) -> Vec<Vec<u8>> {
-    let mut sizes = fit.sizes.clone();
-    for (sizes, features) in sizes.iter_mut().zip(fit.data.features.iter()) {
-        sizes[MASSES] = sizes[MASSES].max(features.most(MASSES));
-    }
-    sizes
-}
-
-/// Steps of all parameters from all joints, the same where the scale of torque may be another, and from
-/// all joints but one.
+/// Steps of all parameters from all joints, the same where all that the twin states within limits may be that far
+/// off, and from all joints but one.
 struct Systems {
     all: System,
-    scaled: Option<System>,
+    unsure: System,
     without: Vec<System>,
 }
 
@@ -195,11 +189,11 @@ struct Systems {
 /// links are (the jackknife with Student's t: Efron, "The jackknife, the bootstrap and other resampling
 /// plans", 1982, section 3).
 fn half_width(systems: &Systems, direction: &[(usize, f64)]) -> f64 {
-    let Systems { all, scaled, without } = systems;
+    let Systems { all, unsure, without } = systems;
     let variance = |s: &System| s.variance_along(direction);
     let value = |s: &System| direction.iter().map(|(i, factor)| factor * s.x[*i]).sum::<f64>();
     let own = variance(all);
-    let by_rows = normal_quantile(1.0 - LEVEL) * scaled.as_ref().map_or(own, variance).sqrt();
+    let by_rows = normal_quantile(1.0 - LEVEL) * variance(unsure).sqrt();
     let n = without.len() as f64;
     let told = without.iter().filter(|s| variance(s) < UNTOLD * own);
     let moved = told.map(|s| (value(s) - value(all)).powi(2));

@@ -57,7 +57,7 @@ impl Judge<'_> {
         let (check, metric) = (self.check, self.check.metric(&fit.sizes));
         let left = |model: Model| {
             let fit = Fit::new(self.fit, model, fit.sizes.clone());
-            Column::new(&check.raw(vec![fit.held_against(check.parts[0])]), &metric)
+            Column::new(&check.raw(vec![fit.held_within(check.parts[0])]), &metric)
         };
         let (before, after) = (left(fit.model.without(i)), left(fit.model.clone()));
         let mut taken = before.clone();
@@ -75,7 +75,7 @@ impl Judge<'_> {
             // What leaves more than noise is not exact either, though nothing smooth is in it.
             let noise = self.check.parts[0].sigma[j].powi(2);
             let loud = a[j] / check.count(j) > self.criteria.above_noise * noise;
-            let of = &mut share[usize::from(loud || !metric.joints[j].is_plain())];
+            let of = &mut share[usize::from(loud || !fit.is_exact(j))];
             *of = of.max(1.0 - a[j] / b[j].max(f64::MIN_POSITIVE));
         }
         let [where_exact, where_inexact] = share;

@@ -82,6 +82,11 @@ impl Model {
         mechanism.robot
     }
 
+    /// Is a cause a load?
+    pub(super) fn carries(&self) -> bool {
+        self.causes.iter().any(|t| t.candidate.effect.about().scope != Scope::Joint)
+    }
+
     /// Does one cause depend on what others weigh, or on all that the drive supplies?
     pub(super) fn is_entangled(&self) -> bool {
         let loads = |t: &&Term| t.candidate.effect.about().scope != Scope::Joint;

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::fit::{Fit, expected};
+use super::sizes::Sizes;
 use super::trial::{Trial, linear_bounds};
 use super::{slopes, windows};
 use crate::regression::bounds::Bounds;
@@ -25,12 +26,12 @@ pub struct Screened {
     /// Evidence gained, approximately, nats.
     pub gain: f64,
     /// Sizes of the discrepancy it was gained beside.
-    pub sizes: Vec<Vec<u8>>,
+    pub sizes: Sizes,
 }
 
 /// The model of a fit beside a discrepancy of certain sizes.
 struct Frame {
-    sizes: Vec<Vec<u8>>,
+    sizes: Sizes,
     metric: Metric,
     system: System,
     squares: Vec<f64>,
@@ -48,11 +49,9 @@ pub fn screen(fit: &Fit<'_>, candidates: &[Candidate]) -> Vec<Screened> {
 }
 
 fn frames(fit: &Fit<'_>) -> Vec<Frame> {
-    let mut all: Vec<Vec<Vec<u8>>> = Vec::new();
+    let mut all: Vec<Sizes> = Vec::new();
     for less in SMALLER {
-        let step = |s: &u8| if *s == 0 { 0 } else { s.saturating_sub(less) };
-        let sizes: Vec<Vec<u8>> =
-            fit.sizes.iter().map(|joint| joint.iter().map(step).collect()).collect();
+        let sizes = fit.sizes.smaller(less);
         if !all.contains(&sizes) {
             all.push(sizes);
         }
@@ -60,7 +59,7 @@ fn frames(fit: &Fit<'_>) -> Vec<Frame> {
     all.into_par_iter().map(|sizes| frame(fit, sizes)).collect()
 }
 
-fn frame(fit: &Fit<'_>, sizes: Vec<Vec<u8>>) -> Frame {
+fn frame(fit: &Fit<'_>, sizes: Sizes) -> Frame {
     let (metric, system) = fit.seen_beside(&sizes);
     let squares = system.residual.squares();
     let likelihood = |j: usize| fit.data.ln_likelihood(j, squares[j], &metric);

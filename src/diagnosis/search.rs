@@ -123,10 +123,10 @@ fn added<'a>(
             let mut sizes = state.sizes.clone();
             for h in &added {
                 for j in all.touched(h.candidate()) {
-                    sizes[j].clone_from(&h.fit.sizes[j]);
+                    sizes.joints[j].clone_from(&h.fit.sizes.joints[j]);
                 }
             }
-            Fit::new(all.data, model, sizes)
+            all.tuned(Fit::new(all.data, model, sizes), &[])
         }
     };
     (Round { weighed, added: names }, Some(next))

@@ -14,6 +14,7 @@ use super::held_out::{self, HeldOut};
 use super::hypotheses::{Hypotheses, Standing};
 use super::judge::Judge;
 use super::kinematics::{self, Lagging};
+use super::link_masses::Within;
 use super::model::Model;
 use super::observed::Observed;
 use super::proved::{SURE, proved};
@@ -23,8 +24,8 @@ use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
     By, Cause, Change, Checked, Diagnosis, DiagnosisError, Floor, Proof, Ranked, Rejected,
-    RoundEvidence, Scored, Settings, Shrink, Value, Verdict, experiment, gap, intervals,
-    link_masses, links, slow, torque_shrink, words,
+    RoundEvidence, Scored, Settings, Shrink, Value, Verdict, experiment, gap, intervals, links,
+    slow, torque_shrink, words,
 };
 use crate::effects::Role;
 
@@ -89,7 +90,13 @@ impl<'a> Findings<'a> {
     }
 
     pub fn answer(&self) -> Diagnosis {
-        let [mut causes, adjustments] = self.causes();
+        let [mut causes, mut adjustments] = self.causes();
+        let within = Within::new(&self.last, self.settings);
+        let mut notes = self.notes(&adjustments);
+        if let Some(within) = &within {
+            notes.extend(within.says(&self.last, self.settings));
+            adjustments.extend(within.adjustments());
+        }
         let lag = self.lagging.as_ref().and_then(|l| l.cause(self.settings));
         let sensor_alone = lag.is_some() && causes.is_empty();
         causes.extend(lag);
@@ -103,8 +110,8 @@ impl<'a> Findings<'a> {
             by: By::default(),
             position: None,
             verdict,
-            fitted_before: fitted(&self.alone),
-            fitted: fitted(&self.last),
+            fitted_before: fitted(&self.alone, vec![]),
+            fitted: fitted(&self.last, within.map_or(vec![], |w| w.scales())),
             gap: self.gap(),
             shrink: Shrink { torque: self.shrink(), simulation: None },
             ranking,
@@ -115,7 +122,7 @@ impl<'a> Findings<'a> {
             episodes: self.episodes(),
             rounds: self.found.rounds.iter().map(round).collect(),
             criteria: *self.criteria(),
-            notes: self.notes(&adjustments),
+            notes,
             causes,
             adjustments,
         }
@@ -281,7 +288,6 @@ impl<'a> Findings<'a> {
             let name = super::candidate::describe(term.candidate);
             notes.push(format!("{name} fits too, but takes nothing sure off the check recording"));
         }
-        notes.extend(link_masses::says(&self.last, self.settings));
         let blind: Vec<String> = self
             .held
             .causes
@@ -316,8 +322,8 @@ fn taken(shrink: &Checked) -> f64 {
     shrink.check_before_nm.powi(2) - shrink.check_after_nm.powi(2)
 }
 
-/// Values of the twin's open effects, one per joint.
-fn fitted(fit: &Fit<'_>) -> BTreeMap<String, Vec<f64>> {
+/// Values of the twin's open effects, one per joint, where its torque was recorded times what `scales` says.
+fn fitted(fit: &Fit<'_>, scales: Vec<f64>) -> BTreeMap<String, Vec<f64>> {
     let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut next = 0;
     for term in &fit.model.open {
@@ -332,7 +338,7 @@ fn fitted(fit: &Fit<'_>) -> BTreeMap<String, Vec<f64>> {
             row[at] = match p.role {
                 Role::Linear => {
                     next += 1;
-                    fit.system.x[next - 1]
+                    fit.system.x[next - 1] / scales.get(at).unwrap_or(&1.0)
                 }
                 Role::Nonlinear => nonlinear.next().copied().unwrap_or(p.typical),
             };

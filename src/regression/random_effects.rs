@@ -143,11 +143,6 @@ impl Features {
         self
     }
 
-    /// Largest step of group `g`; 0 where it has no features.
-    pub fn most(&self, g: usize) -> u8 {
-        if self.group.contains(&g) { self.largest[g] } else { 0 }
-    }
-
     /// Features with all columns times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         let column = |c: &Vec<f64>| c.iter().map(|v| v * factor).collect();
@@ -308,7 +303,7 @@ impl<'a> Profile<'a> {
 const PASSES: usize = 3;
 const SETTLED: f64 = 0.5;
 /// Steps at which a group that is absent is tried.
-const ENTRIES: [u8; 3] = [2, 4, 6];
+pub const ENTRIES: [u8; 3] = [2, 4, 6];
 
 /// Sum of squares of the last column that the others leave: the Schur complement of their Gram
 /// matrix.

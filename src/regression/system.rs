@@ -76,7 +76,7 @@ impl Normal {
     ) -> Profile<'a> {
         let joints = self.products.len();
         let elsewhere = |i: usize| (0..joints).any(|k| k != j && self.columns[i].rows.touches(k));
-        let touching = (0..self.columns.len()).filter(|i| self.columns[*i].rows.touches(j));
+        let touching = (0..x.len()).filter(|i| self.columns[*i].rows.touches(j));
         let (shared, own): (Vec<usize>, Vec<usize>) = touching.partition(|i| elsewhere(*i));
         let y = self.columns.len();
         let all = &self.products[j];
@@ -130,9 +130,10 @@ impl Normal {
 }
 
 impl System {
-    /// `priors` are standard deviations, one per column.
+    /// `priors` are standard deviations, one per column; columns after those that have one are left out.
     pub fn solve(normal: &Normal, metric: &Metric, weights: Vec<f64>, priors: Vec<f64>) -> Self {
-        let columns: Vec<Column> = normal.columns.iter().map(|c| Column::new(c, metric)).collect();
+        let fitted = &normal.columns[..priors.len()];
+        let columns: Vec<Column> = fitted.iter().map(|c| Column::new(c, metric)).collect();
         let information = normal.information(&columns, &weights, &priors);
         let n = columns.len();
         let scale = information.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
@@ -172,13 +173,13 @@ impl System {
         }
     }
 
-    /// The logarithm of Occam's factor, negated, of parameters with a finite prior, nats: how far
+    /// The logarithm of Occam's factor, negated, of parameters with a finite prior, those from `first` on, nats: how far
     /// they are from zero by it, and how much the data narrow them,
     /// 1/2 sum (x/s)^2 + 1/2 ln det(S G S), G the information on them (prior included) given the
     /// others.
-    pub fn occam_penalty(&self) -> f64 {
+    pub fn occam_penalty(&self, first: usize) -> f64 {
         let (known, free): (Vec<usize>, Vec<usize>) =
-            (0..self.priors.len()).partition(|&i| self.priors[i].is_finite());
+            (0..self.priors.len()).partition(|&i| i >= first && self.priors[i].is_finite());
         if known.is_empty() {
             return 0.0;
         }

@@ -1,0 +1,154 @@
+//! What a twin states within limits: masses and centres of all links, and the scale of every joint's torque.
+//!
+//! A link's mass and first moments are as far from the twin's as these are known, one standard deviation, and the same
+//! at all joints and in all recordings. So is the factor on a joint's torque: unloaded motions hardly tell it from links
+//! that are heavier. All are fitted beside a model as further columns, each expected to be as large as its
+//! tolerance times one size. The data decide that size, up to 1: of an exact twin it is nothing.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::Settings;
+use super::observed::Observed;
+use crate::effects::Motion;
+use crate::regression::Blocks;
+use crate::regression::random_effects::STEPS;
+use crate::robot::{Body, Robot};
+
+/// Values of a link that are known within limits: its mass and three first moments.
+pub const PER_LINK: usize = 4;
+/// Combinations of these that change what all rows show by less, in squared standard deviations of the noise at their
+/// tolerance: no data tell them.
+const UNTOLD: f64 = 0.1;
+
+/// Share of the tolerances for a step of the grid: a half for every step below the largest.
+pub fn size(step: u8) -> f64 {
+    if step == 0 { 0.0 } else { 0.5f64.powi(i32::from(STEPS - step)) }
+}
+
+/// Tolerances of an arm, as recordings of it tell them.
+#[derive(Clone)]
+pub struct Tolerances {
+    /// Every link's values, kg and kg.m.
+    links: Vec<f64>,
+    /// What the recordings tell of them: orthonormal combinations, in units of their tolerances.
+    told: DMatrix<f64>,
+    /// Scale of a joint's torque, relative.
+    scale: f64,
+}
+
+impl Tolerances {
+    /// A twin that is exact.
+    pub fn none() -> Self {
+        Self { links: Vec::new(), told: DMatrix::zeros(0, 0), scale: 0.0 }
+    }
+
+    /// Of the arm in `parts`, whose noise has these variances, (N.m)^2.
+    pub fn new(parts: &[&Observed<'_>], noise: &[f64], settings: &Settings) -> Self {
+        if settings.mass_error <= 0.0 {
+            return Self::none();
+        }
+        let bodies = &parts[0].twin.robot.bodies;
+        let links: Vec<f64> = bodies.iter().flat_map(|b| mass_errors(b, settings)).collect();
+        let columns: Vec<Arc<Vec<Blocks>>> = parts.iter().map(|p| of_links(p)).collect();
+        let product = |i: usize, k: usize| {
+            let of = |c: &Arc<Vec<Blocks>>| -> f64 {
+                noise.iter().enumerate().map(|(j, s)| c[i].dot(&c[k], j) / s).sum()
+            };
+            columns.iter().map(of).sum::<f64>() * links[i] * links[k]
+        };
+        let told = combinations(DMatrix::from_fn(links.len(), links.len(), product));
+        Self { links, told, scale: settings.mass_error }
+    }
+
+    /// How many columns they are.
+    pub fn count(&self) -> usize {
+        if self.links.is_empty() { 0 } else { self.told.ncols() + self.links.len() / PER_LINK }
+    }
+
+    /// Torque at the rows of a recording for one tolerance of each combination of links' values, N.m.
+    pub fn of_links(&self, observed: &Observed<'_>) -> Vec<Blocks> {
+        let links = of_links(observed);
+        let combined = |along: usize| {
+            let mut sum = Blocks(vec![Vec::new(); observed.joints()]);
+            for (i, column) in links.iter().enumerate() {
+                sum.gather(self.links[i] * self.told[(i, along)], column);
+            }
+            sum
+        };
+        (0..self.told.ncols()).map(combined).collect()
+    }
+
+    /// Torque at the rows of a recording for one tolerance of the scale of each joint's torque, of an arm that carries
+    /// what `laden` does, N.m.
+    pub fn of_scales(&self, observed: &Observed<'_>, laden: &Robot) -> Vec<Blocks> {
+        let mut all = of_scales(observed, laden);
+        all.iter_mut().flat_map(|b| &mut b.0).flatten().for_each(|t| *t *= self.scale);
+        all
+    }
+
+    /// What `x`, the values of all their columns, give at the rows of a recording, N.m.
+    pub fn torque(&self, observed: &Observed<'_>, laden: &Robot, x: &[f64]) -> Blocks {
+        let mut sum = Blocks(vec![Vec::new(); observed.joints()]);
+        if !x.is_empty() {
+            let columns =
+                self.of_links(observed).into_iter().chain(self.of_scales(observed, laden));
+            columns.zip(x).for_each(|(c, x)| sum.gather(*x, &c));
+        }
+        sum
+    }
+}
+
+/// Combinations that the products of all columns, in units of noise, tell.
+fn combinations(products: DMatrix<f64>) -> DMatrix<f64> {
+    let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(products);
+    let told = (0..eigenvalues.len()).filter(|i| eigenvalues[*i] > UNTOLD);
+    let columns: Vec<_> = told.map(|i| eigenvectors.column(i).into_owned()).collect();
+    match columns.is_empty() {
+        true => DMatrix::zeros(eigenvectors.nrows(), 0),
+        false => DMatrix::from_columns(&columns),
+    }
+}
+
+/// Torque at the rows per unit of every link's mass and first moments, link by link.
+pub fn of_links(observed: &Observed<'_>) -> Arc<Vec<Blocks>> {
+    observed.kept.get("values of all links", || {
+        let robot = &observed.twin.robot;
+        let rigid = observed.rigid(robot);
+        let motion = Motion { rigid: Some(&rigid), ..observed.motion(robot) };
+        let of = |link: usize| {
+            let all = motion.regressor(link);
+            let rows = |i: usize| {
+                let joint = |j: usize| match j <= link {
+                    true => observed.block(j, all[i].joint(j)),
+                    false => Vec::new(),
+                };
+                Blocks((0..observed.joints()).map(joint).collect())
+            };
+            (0..PER_LINK).map(rows).collect::<Vec<Blocks>>()
+        };
+        (0..robot.bodies.len()).flat_map(of).collect()
+    })
+}
+
+/// Torque at the rows of each joint that an arm which carries what `laden` does needs to move, N.m.
+pub fn of_scales(observed: &Observed<'_>, laden: &Robot) -> Vec<Blocks> {
+    let rigid = observed.rigid(laden);
+    let motion = Motion { rigid: Some(&rigid), ..observed.motion(laden) };
+    let torque = motion.rigid_torque();
+    let joints = 0..observed.joints();
+    let alone = |j: usize| {
+        let mut rows = vec![Vec::new(); observed.joints()];
+        rows[j] = observed.block(j, torque.joint(j));
+        Blocks(rows)
+    };
+    joints.map(alone).collect()
+}
+
+/// How far mass (kg) and first moments (kg.m) of a link may be off, standard deviations.
+pub fn mass_errors(body: &Body, settings: &Settings) -> [f64; PER_LINK] {
+    let mass = settings.mass_error * body.inertia.mass;
+    let moment = settings.centre_error_m * body.inertia.mass + mass * body.inertia.com.norm();
+    [mass, moment, moment, moment].map(|sd| sd.max(f64::MIN_POSITIVE))
+}
