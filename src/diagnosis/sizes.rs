@@ -23,8 +23,8 @@ impl Sizes {
         Self { joints, tolerances: less(&self.tolerances) }
     }
 
-    /// How many sizes are chosen.
+    /// How many sizes the discrepancy has.
     pub fn count(&self) -> usize {
-        self.joints.iter().map(Vec::len).sum::<usize>() + 1
+        self.joints.iter().map(Vec::len).sum()
     }
 }

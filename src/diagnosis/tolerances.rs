@@ -152,3 +152,64 @@ pub fn mass_errors(body: &Body, settings: &Settings) -> [f64; PER_LINK] {
     let moment = settings.centre_error_m * body.inertia.mass + mass * body.inertia.com.norm();
     [mass, moment, moment, moment].map(|sd| sd.max(f64::MIN_POSITIVE))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::data::Data;
+    use crate::diagnosis::fit::Fit;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::model::Model;
+    use crate::signals::testing::{noisy, samples};
+    use crate::twin::Twin;
+
+    const KNOWN_TO: f64 = 0.05;
+
+    /// The most likely size of the tolerances where links are off by this share, up and down in turn.
+    fn likely(off: f64) -> f64 {
+        let twin = Twin::default();
+        let mut arm = twin.clone();
+        for (i, body) in arm.robot.bodies.iter_mut().enumerate() {
+            body.inertia.mass *= if i % 2 == 0 { 1.0 + off } else { 1.0 - off };
+        }
+        let mut made = samples(6, 4000, |j, t| {
+            0.7 * ((0.9 + 0.2 * j as f64) * t).sin() + 0.4 * (0.6 * t + j as f64).cos()
+        });
+        made.torque = arm.torque(&arm.motion(&made));
+        noisy(&mut made, 0.3);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let settings = Settings { mass_error: KNOWN_TO, ..Settings::default() };
+        let data = Data::new(vec![&observed], &settings);
+        size(Fit::plain(&data, Model::of(&twin)).likely_sizes(&[0, 1, 2, 3, 4, 5]).tolerances)
+    }
+
+    #[test]
+    fn the_data_say_how_far_links_are_off() {
+        assert_eq!(likely(0.0), 0.0);
+        let [little, much] = [likely(0.2 * KNOWN_TO), likely(2.0 * KNOWN_TO)];
+        assert!(little > 0.0 && little < much && much <= 1.0, "{little} {much}");
+    }
+
+    /// Combinations keep what rows show of links, and drop what they do not.
+    #[test]
+    fn what_no_row_shows_is_left_out() {
+        let twin = Twin::default();
+        let made = samples(6, 2000, |j, t| 0.7 * ((0.9 + 0.2 * j as f64) * t).sin());
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let settings = Settings::default();
+        let tolerances = Tolerances::new(&[&observed], &[0.01; 6], &settings);
+        let (told, all) = (tolerances.told.ncols(), PER_LINK * 6);
+        assert!(told > 0 && told < all, "{told} of {all}");
+        let square = |columns: &[Blocks]| -> f64 { columns.iter().flat_map(|c| c.squares()).sum() };
+        let links = of_links(&observed);
+        let scaled: Vec<Blocks> = links
+            .iter()
+            .zip(&tolerances.links)
+            .map(|(c, sd)| Blocks(c.0.iter().map(|r| r.iter().map(|v| sd * v).collect()).collect()))
+            .collect();
+        let kept = square(&tolerances.of_links(&observed)) / square(&scaled);
+        assert!((kept - 1.0).abs() < 1e-3, "{kept}");
+    }
+}

@@ -20,6 +20,7 @@ use super::observed::Observed;
 use super::proved::{SURE, proved};
 use super::ranking::{self, named};
 use super::search::{Found, Round, Weighed, search};
+use super::sizes::Sizes;
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
@@ -28,6 +29,7 @@ use super::{
     slow, torque_shrink, words,
 };
 use crate::effects::Role;
+use crate::regression::Blocks;
 
 const SCHEMA: &str = "armtwin.diagnosis/1";
 
@@ -199,6 +201,14 @@ impl<'a> Findings<'a> {
         ranking::replicated(probability, candidate, &self.gains[i], self.criteria())
     }
 
+    /// What a model leaves of both recordings within the twin's tolerances, values from the fit recording, N.m.
+    fn left(&self, fit: &Fit<'a>) -> [Blocks; 2] {
+        let data = self.alone.data;
+        let sizes = Sizes { tolerances: fit.sizes.tolerances, ..data.nothing() };
+        let within = Fit::new(data, fit.model.clone(), sizes);
+        [self.fit, self.check].map(|recording| within.held_within(recording))
+    }
+
     /// What the causes leave that both searches find, values from the fit recording.
     fn unexplained(&self) -> Unexplained {
         let is_open = |t: &Term| self.unconfirmed.contains(&t.candidate);
@@ -206,9 +216,7 @@ impl<'a> Findings<'a> {
         while let Some(i) = explained.model.causes.iter().position(is_open) {
             explained = self.search.without(&explained, i);
         }
-        let model = explained.model.clone();
-        let plain = Fit::plain(self.alone.data, model);
-        let left = [plain.held_against(self.fit), plain.held_against(self.check)];
+        let left = self.left(&explained);
         let of = |i: usize| Left { observed: [self.fit, self.check][i], residual: &left[i] };
         let both = [of(0), of(1)];
         unexplained(&both, &self.held.before, &self.floor, &explained, self.criteria())
@@ -241,8 +249,7 @@ impl<'a> Findings<'a> {
     }
 
     fn episodes(&self) -> Vec<Episode> {
-        let plain = Fit::plain(self.alone.data, self.last.model.clone());
-        let left = [plain.held_against(self.fit), plain.held_against(self.check)];
+        let left = self.left(&self.last);
         episodes((self.fit, &left[0]), (self.check, &left[1]))
     }
 
