@@ -57,6 +57,20 @@ impl Built {
         built
     }
 
+    /// Torque of the rigid arm with what its causes weigh, as last fitted, over all samples, N.m.
+    pub fn carried(&self, observed: &Observed<'_>, model: &Model) -> JointSeries {
+        let laden = observed.twin.laden();
+        let rigid = observed.rigid(&laden);
+        let motion = Motion { rigid: Some(&rigid), ..observed.motion(&laden) };
+        let mut sum = motion.rigid_torque().into_owned();
+        for (series, term) in self.series.iter().zip(model.terms()) {
+            if term.candidate.effect.about().scope != Scope::Joint {
+                series.iter().zip(&term.linear).for_each(|(c, value)| add(&mut sum, *value, c));
+            }
+        }
+        sum
+    }
+
     /// What the model gives at the values `x`, over all samples, N.m.
     pub fn modelled(&self, observed: &Observed<'_>, x: &DVector<f64>) -> JointSeries {
         let mut sum = observed.known.clone();

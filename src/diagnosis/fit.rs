@@ -19,6 +19,8 @@ use crate::series::JointSeries;
 
 /// Passes of fitting causes that depend on each other.
 const MOST_PASSES: usize = 4;
+/// Relative difference of a reference from its value that calls for another fit.
+pub const INCONSISTENT: f64 = 0.02;
 /// Expected size of an effect (standard deviation) as a share of a joint's rated torque. Joints are sized
 /// such that friction and what else is lost comes to about a tenth of it.
 pub const EXPECTED_SHARE: f64 = 0.1;
@@ -70,7 +72,7 @@ impl<'a> Fit<'a> {
         go_on(data.watch);
         let built: Vec<Built> = data.parts.par_iter().map(|p| Built::new(p, &model)).collect();
         let mut columns = columns(data, &model, &built);
-        columns.extend(data.within_tolerances(&model.laden));
+        columns.extend(data.within_tolerances(|p| built[p].carried(data.parts[p], &model)));
         let y = recorded(data, &model, &built);
         let normal = Normal::new(columns, y);
         let metric = data.metric(&sizes);
@@ -136,7 +138,7 @@ impl<'a> Fit<'a> {
         }
         for direction in [-1i8, 1] {
             while let Some(step) = best.sizes.tolerances.checked_add_signed(direction) {
-                if step == 0 || step > STEPS || !climbs(step, &mut best) {
+                if step > STEPS || !climbs(step, &mut best) {
                     break;
                 }
             }
@@ -156,6 +158,28 @@ impl<'a> Fit<'a> {
     pub fn ln_evidence(&self) -> f64 {
         let starts = self.model.causes.iter().map(Term::ln_starts).sum::<f64>();
         self.ln_likelihoods() - self.system.occam_penalty(0) - starts
+    }
+
+    /// This fit with what refers to values of causes at what these are, where that is more likely.
+    pub fn settled(mut self) -> Self {
+        for _ in 0..MOST_PASSES {
+            let mut model = self.model.clone();
+            for (i, cause) in model.causes.iter_mut().enumerate() {
+                let linear = &self.system.x.as_slice()[self.model.range(i)];
+                cause.candidate.settle(linear, &mut cause.nonlinear);
+            }
+            let pairs = model.causes.iter().zip(&self.model.causes);
+            let values = pairs.flat_map(|(a, b)| a.nonlinear.iter().zip(&b.nonlinear));
+            if values.into_iter().all(|(now, was)| (now - was).abs() <= INCONSISTENT * now.abs()) {
+                break;
+            }
+            let next = Self::new(self.data, model, self.sizes.clone());
+            if next.ln_evidence() <= self.ln_evidence() {
+                break;
+            }
+            self = next;
+        }
+        self
     }
 
     /// Evidence for a discrepancy over none beside the same causes and tolerances, nats: the best of so many sizes.
@@ -262,9 +286,10 @@ impl<'a> Fit<'a> {
 
     /// What the fitted values leave of a recording within the twin's tolerances, N.m at its rows.
     pub fn held_within(&self, other: &Observed<'_>) -> Blocks {
-        let mut left = self.held_against(other);
-        let known = self.tolerances();
-        let within = self.data.tolerances.torque(other, &self.model.laden, known);
+        let built = Built::new(other, &self.model);
+        let mut left = built.residual(&self.system.x);
+        let carried = built.carried(other, &self.model);
+        let within = self.data.tolerances.torque(other, &carried, self.tolerances());
         left.add_scaled(-1.0, &within);
         left
     }
@@ -272,6 +297,11 @@ impl<'a> Fit<'a> {
     /// Values of what the twin states within limits, in units of its tolerances; none where it is exact.
     fn tolerances(&self) -> &[f64] {
         &self.system.x.as_slice()[self.terms()..]
+    }
+
+    /// Torque of the rigid arm with what the causes weigh in recording `p`, over all samples, N.m.
+    pub fn carried(&self, p: usize) -> JointSeries {
+        Built::new(self.data.parts[p], &self.model).carried(self.data.parts[p], &self.model)
     }
 
     /// How many linear values the terms of the model have.

@@ -125,8 +125,10 @@ impl<'a> Hypotheses<'a> {
 
     /// The fit with the discrepancy at its most likely sizes at `joints`.
     pub fn tuned(&self, fit: Fit<'a>, joints: &[usize]) -> Fit<'a> {
-        let sizes = fit.likely_sizes(joints);
-        fit.beside(sizes)
+        let (before, sizes) = (fit.sizes.tolerances, fit.likely_sizes(joints));
+        let fit = fit.beside(sizes);
+        // Links take up another part of a load.
+        if fit.sizes.tolerances == before { fit } else { fit.settled() }
     }
 
     pub fn touched(&self, candidate: Candidate) -> Vec<usize> {
@@ -173,7 +175,9 @@ impl<'a> Hypotheses<'a> {
             if h.trial.starts[0].is_empty() || !(promising || follows) {
                 return;
             }
-            let beside = state.clone().beside(s.sizes.clone());
+            // A load needs no tolerance of links, which would take a part of it.
+            let tolerances = h.fit.sizes.tolerances;
+            let beside = state.clone().beside(Sizes { tolerances, ..s.sizes.clone() });
             let better = self.adopted(state, &beside, refine::refine(&beside, &h.trial));
             if follows || better.nats > h.nats {
                 *h = better;

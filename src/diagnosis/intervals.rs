@@ -153,7 +153,7 @@ fn information(fit: &Fit<'_>) -> (Systems, Places) {
     let mut priors = fit.system.priors[..terms].to_vec();
     priors.resize(columns.len(), f64::INFINITY);
     let own = columns.len();
-    columns.extend(fit.data.within_tolerances(&fit.model.laden));
+    columns.extend(fit.data.within_tolerances(|p| fit.carried(p)));
     let (tolerances, all) = (fit.sizes.tolerances, columns.len());
     let within = |step: u8| {
         let mut priors = priors.clone();

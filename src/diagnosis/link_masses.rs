@@ -1,8 +1,8 @@
 //! What links' masses and the scale of torque take up within what they are known to: told, and put into the mended
 //! twin, never silently.
 //!
-//! Beside the causes all links get a change of mass and of first moment, and all torque a factor, each expected to be
-//! as large as the share of its tolerance that the data make most likely; the same values act at all joints.
+//! Beside the causes all links get a change of mass and of first moment, and each joint's torque a factor, each expected
+//! to be as large as its tolerance; the same values act at all joints.
 
 use super::candidate::{Candidate, Place};
 use super::fit::Fit;
@@ -15,8 +15,16 @@ use crate::regression::bounds::Bounds;
 use crate::regression::{Blocks, Column, Raw};
 use crate::statistics::normal_quantile;
 
-/// Changes of all links and of the scale of torque.
+/// What the tolerances hold.
 pub struct Within {
+    /// With the size that is most likely of all together: for the mended twin.
+    likely: Changes,
+    /// As unsure as the twin is said to be: one link may be off and the others exact.
+    unsure: Changes,
+}
+
+/// Changes of all links and of the scales of torque.
+struct Changes {
     /// Of every link its mass (kg) and first moments (kg.m), in the order of `link_inertia`.
     links: Vec<Value>,
     /// Share by which each joint's recorded torque is larger.
@@ -37,62 +45,66 @@ impl Within {
         let fit = fit.clone().beside(Sizes { tolerances: 0, ..fit.sizes.clone() });
         let (data, bodies) = (fit.data, &fit.data.twin.robot.bodies);
         let mut raw = data.fresh(|p| of_links(data.parts[p]).to_vec());
-        raw.extend(data.fresh(|p| of_scales(data.parts[p], &fit.model.laden)));
+        raw.extend(data.fresh(|p| of_scales(data.parts[p], &fit.carried(p))));
         let columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &fit.metric)).collect();
         let links = bodies.iter().flat_map(|b| mass_errors(b, settings));
-        let known = links.chain(bodies.iter().map(|_| settings.mass_error));
-        let expected: Vec<f64> = known.map(|sd| share * sd).collect();
-        let projected = fit.system.project(&columns, &expected);
-        let (x, _) = projected.solve(&Bounds::unbounded(columns.len()));
-        let z = normal_quantile(1.0 - LEVEL);
-        let half: Vec<f64> = projected.variances().iter().map(|v| z * v.sqrt()).collect();
-        let value = |effect: &dyn Effect, i: usize, k: usize, joint: usize| {
-            let p = &effect.about().parameters[k];
-            let (name, unit) = (p.name.into(), p.unit.into());
-            let [low, high] = [x[i] - half[i], x[i] + half[i]];
-            Value { name, joint: Some(joint), unit, value: x[i], low, high, at_bound: false }
-        };
+        let known: Vec<f64> = links.chain(bodies.iter().map(|_| settings.mass_error)).collect();
         let last = PER_LINK * bodies.len();
-        let of_link = |i: usize| value(inertia, i, i % PER_LINK, i / PER_LINK + 1);
-        let taken = |j: usize| taken_up(&fit, &raw[..last], x.as_slice(), j);
-        Some(Self {
-            links: (0..last).map(of_link).collect(),
-            scales: (0..bodies.len()).map(|j| value(gain, last + j, 0, j + 1)).collect(),
-            taken_nm: (0..data.joints()).map(taken).collect(),
-        })
+        let z = normal_quantile(1.0 - LEVEL);
+        let at = |share: f64| {
+            let expected: Vec<f64> = known.iter().map(|sd| share * sd).collect();
+            let projected = fit.system.project(&columns, &expected);
+            let (x, _) = projected.solve(&Bounds::unbounded(columns.len()));
+            let half: Vec<f64> = projected.variances().iter().map(|v| z * v.sqrt()).collect();
+            let value = |effect: &dyn Effect, i: usize, k: usize, joint: usize| {
+                let p = &effect.about().parameters[k];
+                let (name, unit) = (p.name.into(), p.unit.into());
+                let [low, high] = [x[i] - half[i], x[i] + half[i]];
+                Value { name, joint: Some(joint), unit, value: x[i], low, high, at_bound: false }
+            };
+            let of_link = |i: usize| value(inertia, i, i % PER_LINK, i / PER_LINK + 1);
+            let taken = |j: usize| taken_up(&fit, &raw[..last], x.as_slice(), j);
+            Changes {
+                links: (0..last).map(of_link).collect(),
+                scales: (0..bodies.len()).map(|j| value(gain, last + j, 0, j + 1)).collect(),
+                taken_nm: (0..data.joints()).map(taken).collect(),
+            }
+        };
+        Some(Self { likely: at(share), unsure: at(1.0) })
     }
 
     /// Factors on the torque that was recorded, joint by joint.
     pub fn scales(&self) -> Vec<f64> {
-        self.scales.iter().map(|v| 1.0 + v.value).collect()
+        self.likely.scales.iter().map(|v| 1.0 + v.value).collect()
     }
 
     /// What the mended twin has of it.
     pub fn adjustments(&self) -> Vec<Cause> {
-        let links = Place::Links(self.links.len() / PER_LINK);
-        let all = [("link_inertia", links, &self.links[..])];
-        let scale = [("torque_constant", links, &self.scales[..])];
-        let adjustment = |(name, place, values): (&str, Place, &[Value])| {
+        let Changes { links, scales, .. } = &self.likely;
+        let place = Place::Links(scales.len());
+        let all = [("link_inertia", &links[..]), ("torque_constant", &scales[..])];
+        let adjustment = |(name, values): (&str, &[Value])| {
             let effect = find(name)?;
             Some(adjustment(Candidate::new(effect, place), values))
         };
-        all.into_iter().chain(scale).filter_map(adjustment).collect()
+        all.into_iter().filter_map(adjustment).collect()
     }
 
     /// In words; `None` where it is no more than noise.
     pub fn says(&self, fit: &Fit<'_>, settings: &Settings) -> Option<String> {
         let Settings { mass_error, centre_error_m, .. } = *settings;
         let bodies = &fit.data.twin.robot.bodies;
-        let taken = self.taken_nm.iter().enumerate();
+        let Changes { links, scales, taken_nm } = &self.unsure;
+        let taken = taken_nm.iter().enumerate();
         let (joint, nm) = taken.max_by(|a, b| a.1.total_cmp(b.1))?;
-        let masses = self.links.iter().step_by(PER_LINK).zip(bodies);
+        let masses = links.iter().step_by(PER_LINK).zip(bodies);
         let sure = masses.filter(|(v, _)| v.low > 0.0 || v.high < 0.0);
         let sure: Vec<String> =
             sure.map(|(v, b)| mass(v, &b.name, b.inertia.mass, mass_error)).collect();
         let links = if sure.is_empty() { "no link by itself".into() } else { sure.join(", ") };
         let known =
             format!("{:.0} %, centres to {:.0} mm", 100.0 * mass_error, 1e3 * centre_error_m);
-        let largest = self.scales.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))?;
+        let largest = scales.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))?;
         let [scale, low, high] = [largest.value, largest.low, largest.high].map(|v| 100.0 * v);
         (nm.powi(2) > fit.data.least(joint)).then(|| {
             format!(
@@ -193,11 +205,13 @@ mod tests {
         of_arm(HEAVIER, |within, fit, _| {
             let within = within.expect("a link that is 4 % heavier");
             let bodies = fit.data.twin.robot.bodies.iter();
-            for (link, (v, body)) in within.links.iter().step_by(PER_LINK).zip(bodies).enumerate() {
+            for (link, (v, body)) in
+                within.unsure.links.iter().step_by(PER_LINK).zip(bodies).enumerate()
+            {
                 let truth = if link == LINK { HEAVIER * body.inertia.mass } else { 0.0 };
                 assert!(v.low < truth && truth < v.high, "link {link}: {v:?}, {truth} kg");
             }
-            for v in &within.scales {
+            for v in &within.unsure.scales {
                 assert!(v.low < 0.0 && 0.0 < v.high, "{v:?}");
             }
         });

@@ -1,6 +1,6 @@
 //! Nonlinear parameters of a candidate, refined from the best of its starts.
 
-use super::fit::Fit;
+use super::fit::{Fit, INCONSISTENT};
 use super::newton::descend;
 use super::trial::{Trial, evaluate, neighbours, settled};
 use crate::regression::brent;
@@ -9,8 +9,6 @@ use crate::regression::brent;
 const ROUNDS: usize = 5;
 /// Least relative increase of the gain that makes another round worth it.
 const WORTH_ANOTHER: f64 = 0.003;
-/// Relative difference of a reference from its value that calls for refining.
-const INCONSISTENT: f64 = 0.02;
 /// Values looked at between the ends of a bracket with several optima.
 const SCANNED: usize = 9;
 /// Tolerance of a refined parameter, relative to the bracket (of its logarithm where positive).

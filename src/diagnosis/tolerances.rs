@@ -14,7 +14,8 @@ use super::observed::Observed;
 use crate::effects::Motion;
 use crate::regression::Blocks;
 use crate::regression::random_effects::STEPS;
-use crate::robot::{Body, Robot};
+use crate::robot::Body;
+use crate::series::JointSeries;
 
 /// Values of a link that are known within limits: its mass and three first moments.
 pub const PER_LINK: usize = 4;
@@ -80,20 +81,20 @@ impl Tolerances {
         (0..self.told.ncols()).map(combined).collect()
     }
 
-    /// Torque at the rows of a recording for one tolerance of the scale of each joint's torque, of an arm that carries
-    /// what `laden` does, N.m.
-    pub fn of_scales(&self, observed: &Observed<'_>, laden: &Robot) -> Vec<Blocks> {
-        let mut all = of_scales(observed, laden);
+    /// Torque at the rows of a recording for one tolerance of the scale of each joint's torque, where the rigid arm
+    /// needs `carried` over all samples, N.m.
+    pub fn of_scales(&self, observed: &Observed<'_>, carried: &JointSeries) -> Vec<Blocks> {
+        let mut all = of_scales(observed, carried);
         all.iter_mut().flat_map(|b| &mut b.0).flatten().for_each(|t| *t *= self.scale);
         all
     }
 
     /// What `x`, the values of all their columns, give at the rows of a recording, N.m.
-    pub fn torque(&self, observed: &Observed<'_>, laden: &Robot, x: &[f64]) -> Blocks {
+    pub fn torque(&self, observed: &Observed<'_>, carried: &JointSeries, x: &[f64]) -> Blocks {
         let mut sum = Blocks(vec![Vec::new(); observed.joints()]);
         if !x.is_empty() {
             let columns =
-                self.of_links(observed).into_iter().chain(self.of_scales(observed, laden));
+                self.of_links(observed).into_iter().chain(self.of_scales(observed, carried));
             columns.zip(x).for_each(|(c, x)| sum.gather(*x, &c));
         }
         sum
@@ -132,15 +133,12 @@ pub fn of_links(observed: &Observed<'_>) -> Arc<Vec<Blocks>> {
     })
 }
 
-/// Torque at the rows of each joint that an arm which carries what `laden` does needs to move, N.m.
-pub fn of_scales(observed: &Observed<'_>, laden: &Robot) -> Vec<Blocks> {
-    let rigid = observed.rigid(laden);
-    let motion = Motion { rigid: Some(&rigid), ..observed.motion(laden) };
-    let torque = motion.rigid_torque();
+/// Torque of each joint at its rows, of all that the rigid arm needs, N.m.
+pub fn of_scales(observed: &Observed<'_>, carried: &JointSeries) -> Vec<Blocks> {
     let joints = 0..observed.joints();
     let alone = |j: usize| {
         let mut rows = vec![Vec::new(); observed.joints()];
-        rows[j] = observed.block(j, torque.joint(j));
+        rows[j] = observed.block(j, carried.joint(j));
         Blocks(rows)
     };
     joints.map(alone).collect()

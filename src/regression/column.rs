@@ -1,6 +1,6 @@
 //! Columns over the rows of all joints, and as a model with random effects sees them.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -14,17 +14,31 @@ pub struct Raw {
     pub rows: Arc<Blocks>,
     features: Arc<Vec<Features>>,
     products: Arc<Vec<OnceLock<Vec<f64>>>>,
+    /// What the random effects of a metric take up of it, for the metrics seen last: joint, sizes and values.
+    taken: Arc<Mutex<VecDeque<Taken>>>,
     /// The larger, the younger.
     age: u64,
     dots: Arc<Mutex<HashMap<u64, Arc<[f64]>>>>,
 }
+
+/// What a joint's random effects take up of a column.
+#[derive(Debug)]
+struct Taken {
+    joint: usize,
+    metric: Arc<JointMetric>,
+    values: Vec<f64>,
+}
+
+/// Metrics of each joint for which this is kept: a search goes back and forth between a few.
+const METRICS: usize = 4;
 
 impl Raw {
     pub fn new(rows: Blocks, features: Arc<Vec<Features>>) -> Self {
         static BORN: AtomicU64 = AtomicU64::new(0);
         let products = Arc::new((0..features.len()).map(|_| OnceLock::new()).collect());
         let age = BORN.fetch_add(1, Ordering::Relaxed);
-        Self { rows: Arc::new(rows), features, products, age, dots: Arc::default() }
+        let (taken, dots) = (Arc::default(), Arc::default());
+        Self { rows: Arc::new(rows), features, products, taken, age, dots }
     }
 
     /// x'y at every joint.
@@ -51,6 +65,22 @@ impl Raw {
         })
     }
 
+    /// What the random effects of a joint's metric take up of it.
+    fn taken(&self, j: usize, metric: &Arc<JointMetric>) -> Vec<f64> {
+        if metric.is_plain() || !self.rows.touches(j) {
+            return Vec::new();
+        }
+        let Ok(mut all) = self.taken.lock() else { return metric.taken(self.products(j)) };
+        let same = |t: &&Taken| t.joint == j && Arc::ptr_eq(&t.metric, metric);
+        if let Some(known) = all.iter().find(same) {
+            return known.values.clone();
+        }
+        let values = metric.taken(self.products(j));
+        all.truncate(METRICS * self.features.len() - 1);
+        all.push_front(Taken { joint: j, metric: metric.clone(), values: values.clone() });
+        values
+    }
+
     /// scale x (self - other), where self has rows.
     pub fn less(&self, other: &Self, scale: f64) -> Self {
         let joint = |(a, b): (&Vec<f64>, &Vec<f64>)| {
@@ -73,10 +103,7 @@ pub struct Column {
 
 impl Column {
     pub fn new(raw: &Raw, metric: &Metric) -> Self {
-        let of = |(j, metric): (usize, &Arc<JointMetric>)| match metric.is_plain() {
-            true => Vec::new(),
-            false => metric.taken(raw.products(j)),
-        };
+        let of = |(j, metric): (usize, &Arc<JointMetric>)| raw.taken(j, metric);
         let taken = metric.joints.iter().enumerate().map(of).collect();
         Self { rows: raw.rows.clone(), taken, raw: Some(raw.clone()) }
     }
