@@ -13,14 +13,12 @@ use super::sizes::Sizes;
 use super::tolerances;
 use crate::effects::{Motion, Rigid, Role};
 use crate::follow::go_on;
-use crate::regression::random_effects::{ENTRIES, Metric, Profile, STEPS};
+use crate::regression::random_effects::{Metric, STEPS};
 use crate::regression::{Blocks, Column, Normal, Raw, System};
 use crate::series::JointSeries;
 
 /// Passes of fitting causes that depend on each other.
-const MOST_PASSES: usize = 4;
-/// Relative difference of a reference from its value that calls for another fit.
-pub const INCONSISTENT: f64 = 0.02;
+pub(super) const MOST_PASSES: usize = 4;
 /// Expected size of an effect (standard deviation) as a share of a joint's rated torque. Joints are sized
 /// such that friction and what else is lost comes to about a tenth of it.
 pub const EXPECTED_SHARE: f64 = 0.1;
@@ -36,7 +34,7 @@ pub struct Fit<'a> {
     pub system: System,
     /// Sum of squares left in the metric, joint by joint, (N.m)^2.
     pub squares: Vec<f64>,
-    normal: Arc<Normal>,
+    pub(super) normal: Arc<Normal>,
     /// What the model gives over all samples of each recording, before sensors, N.m.
     pub modelled: Arc<Vec<JointSeries>>,
     /// What the arm with its causes weighs, of each recording.
@@ -101,85 +99,12 @@ impl<'a> Fit<'a> {
         self
     }
 
-    /// The most likely sizes of the discrepancy at `joints` and of what the twin states within limits, the
-    /// others as they are.
-    pub fn likely_sizes(&self, joints: &[usize]) -> Sizes {
-        let within = self.within_likely_tolerances();
-        let mut sizes = within.sizes.clone();
-        for &j in joints {
-            sizes.joints[j] = within.profile(j).best(&sizes.joints[j]).0;
-        }
-        match sizes == within.sizes {
-            true => sizes,
-            false => within.beside(sizes).within_likely_tolerances().sizes,
-        }
-    }
-
-    /// This fit with the tolerances as large as makes the data most likely, by a climb over their grid.
-    fn within_likely_tolerances(&self) -> Self {
-        let mut best = self.clone();
-        if self.data.tolerances.count() == 0 {
-            return best;
-        }
-        let mut top = best.ln_evidence();
-        let mut climbs = |step: u8, best: &mut Self| {
-            let fit = self.clone().beside(Sizes { tolerances: step, ..self.sizes.clone() });
-            let nats = fit.ln_evidence();
-            let better = nats > top;
-            if better {
-                (*best, top) = (fit, nats);
-            }
-            better
-        };
-        match self.sizes.tolerances {
-            0 if !ENTRIES.iter().any(|step| climbs(*step, &mut best)) => return best,
-            1.. if climbs(0, &mut best) => return best,
-            _ => {}
-        }
-        for direction in [-1i8, 1] {
-            while let Some(step) = best.sizes.tolerances.checked_add_signed(direction) {
-                if step > STEPS || !climbs(step, &mut best) {
-                    break;
-                }
-            }
-        }
-        best
-    }
-
-    fn profile(&self, j: usize) -> Profile<'_> {
-        let features = &self.data.features[j];
-        let count = self.data.count(j);
-        self.normal.profile(features, j, &self.system.x, count, self.data.least(j))
-    }
-
     /// Logarithm of the evidence: how likely the data are with the discrepancy integrated out, at the
     /// best values of what the twin leaves open, and averaged over what is expected of the causes'
     /// linear parameters; nats, up to a constant of the data.
     pub fn ln_evidence(&self) -> f64 {
         let starts = self.model.causes.iter().map(Term::ln_starts).sum::<f64>();
         self.ln_likelihoods() - self.system.occam_penalty(0) - starts
-    }
-
-    /// This fit with what refers to values of causes at what these are, where that is more likely.
-    pub fn settled(mut self) -> Self {
-        for _ in 0..MOST_PASSES {
-            let mut model = self.model.clone();
-            for (i, cause) in model.causes.iter_mut().enumerate() {
-                let linear = &self.system.x.as_slice()[self.model.range(i)];
-                cause.candidate.settle(linear, &mut cause.nonlinear);
-            }
-            let pairs = model.causes.iter().zip(&self.model.causes);
-            let values = pairs.flat_map(|(a, b)| a.nonlinear.iter().zip(&b.nonlinear));
-            if values.into_iter().all(|(now, was)| (now - was).abs() <= INCONSISTENT * now.abs()) {
-                break;
-            }
-            let next = Self::new(self.data, model, self.sizes.clone());
-            if next.ln_evidence() <= self.ln_evidence() {
-                break;
-            }
-            self = next;
-        }
-        self
     }
 
     /// Evidence for a discrepancy over none beside the same causes and tolerances, nats: the best of so many sizes.

@@ -26,6 +26,7 @@ mod intervals;
 mod judge;
 mod kept;
 mod kinematics;
+mod likely;
 mod link_masses;
 mod links;
 mod local_noise;

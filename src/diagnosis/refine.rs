@@ -1,6 +1,7 @@
 //! Nonlinear parameters of a candidate, refined from the best of its starts.
 
-use super::fit::{Fit, INCONSISTENT};
+use super::fit::Fit;
+use super::likely::INCONSISTENT;
 use super::newton::descend;
 use super::trial::{Trial, evaluate, neighbours, settled};
 use crate::regression::brent;
