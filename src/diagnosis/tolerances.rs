@@ -45,9 +45,11 @@ impl Tolerances {
         Self { links: Vec::new(), told: DMatrix::zeros(0, 0), scale: 0.0 }
     }
 
-    /// Of the arm in `parts`, whose noise has these variances, (N.m)^2.
+    /// Of the arm in `parts`, whose noise has these variances, (N.m)^2. None where no torque was recorded: a position
+    /// servo's gain is the scale of all torque, and a simulation decides what is there.
     pub fn new(parts: &[&Observed<'_>], noise: &[f64], settings: &Settings) -> Self {
-        if settings.mass_error <= 0.0 {
+        let by_position = parts.iter().any(|p| p.samples.response.is_some());
+        if settings.mass_error <= 0.0 || by_position {
             return Self::none();
         }
         let bodies = &parts[0].twin.robot.bodies;

@@ -65,7 +65,7 @@ pub struct Args {
     /// Random seed for the discrepancy's features and for bootstraps
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// How well the twin's link masses are known, as a share of them; 0: exactly [default: 0.05]
+    /// How well the twin's link masses and the scale of each joint's torque are known, as a share; 0: exactly [default: 0.05]
     #[arg(long, value_name = "SHARE")]
     mass_error: Option<f64>,
     /// How well the links' centres of mass are known, m [default: 0.005]
