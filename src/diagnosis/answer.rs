@@ -309,6 +309,10 @@ pub struct Unexplained {
     pub fraction: f64,
     /// Is it more than noise?
     pub above_noise: bool,
+    /// What is left of `rms_nm` where links' masses and scales of torque may be off as far as the twin's are known,
+    /// N.m; absent where the twin is taken for exact, or the data do so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beyond_tolerances_nm: Option<f64>,
     pub joints: Vec<UnexplainedJoint>,
 }
 

@@ -26,11 +26,12 @@ pub struct Left<'a> {
     pub residual: &'a Blocks,
 }
 
-/// `before` and `left[1]` are of the check recording, `left[0]` of the one that was fitted; `last` has
-/// the discrepancy beside all causes.
+/// `before`, `beyond` (within the twin's tolerances) and `left[1]` are of the check recording, `left[0]` of the one
+/// that was fitted; `last` has the discrepancy beside all causes.
 pub fn unexplained(
     left: &[Left<'_>; 2],
     before: &Blocks,
+    beyond: Option<&Blocks>,
     floor: &[Floor],
     last: &Fit<'_>,
     criteria: &Criteria,
@@ -50,6 +51,7 @@ pub fn unexplained(
     Unexplained {
         rms_nm: a.sqrt(),
         fraction: if b > 0.0 { a / b } else { 0.0 },
+        beyond_tolerances_nm: beyond.map(|b| mean_square(b).sqrt()),
         above_noise: last.evidence_of_discrepancy() > 0.0 || joints.iter().any(loud),
         joints,
     }

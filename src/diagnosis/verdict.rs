@@ -201,12 +201,10 @@ impl<'a> Findings<'a> {
         ranking::replicated(probability, candidate, &self.gains[i], self.criteria())
     }
 
-    /// What a model leaves of both recordings within the twin's tolerances, values from the fit recording, N.m.
-    fn left(&self, fit: &Fit<'a>) -> [Blocks; 2] {
-        let data = self.alone.data;
-        let sizes = Sizes { tolerances: fit.sizes.tolerances, ..data.nothing() };
-        let within = Fit::new(data, fit.model.clone(), sizes);
-        [self.fit, self.check].map(|recording| within.held_within(recording))
+    /// What a model leaves of both recordings, values from the fit recording, N.m.
+    fn left(&self, model: &Model) -> [Blocks; 2] {
+        let plain = Fit::plain(self.alone.data, model.clone());
+        [self.fit, self.check].map(|recording| plain.held_against(recording))
     }
 
     /// What the causes leave that both searches find, values from the fit recording.
@@ -216,10 +214,17 @@ impl<'a> Findings<'a> {
         while let Some(i) = explained.model.causes.iter().position(is_open) {
             explained = self.search.without(&explained, i);
         }
-        let left = self.left(&explained);
+        let left = self.left(&explained.model);
+        let tolerances = explained.sizes.tolerances;
+        let beyond = (tolerances > 0).then(|| {
+            let data = self.alone.data;
+            let sizes = Sizes { tolerances, ..data.nothing() };
+            Fit::new(data, explained.model.clone(), sizes).held_within(self.check)
+        });
         let of = |i: usize| Left { observed: [self.fit, self.check][i], residual: &left[i] };
         let both = [of(0), of(1)];
-        unexplained(&both, &self.held.before, &self.floor, &explained, self.criteria())
+        let (before, beyond) = (&self.held.before, beyond.as_ref());
+        unexplained(&both, before, beyond, &self.floor, &explained, self.criteria())
     }
 
     fn rejected(&self) -> Vec<Rejected> {
@@ -249,7 +254,7 @@ impl<'a> Findings<'a> {
     }
 
     fn episodes(&self) -> Vec<Episode> {
-        let left = self.left(&self.last);
+        let left = self.left(&self.last.model);
         episodes((self.fit, &left[0]), (self.check, &left[1]))
     }
 
@@ -374,8 +379,12 @@ mod tests {
 
     #[test]
     fn without_a_cause_there_is_no_gap_only_where_nothing_is_left() {
-        let left =
-            |above_noise| Unexplained { rms_nm: 0.1, fraction: 1.0, above_noise, joints: vec![] };
+        let left = |above_noise| Unexplained {
+            rms_nm: 0.1,
+            fraction: 1.0,
+            above_noise,
+            ..Unexplained::default()
+        };
         let unknown = |probability| {
             vec![Ranked { effect: "unknown".into(), joints: vec![], probability, nats: 0.0 }]
         };

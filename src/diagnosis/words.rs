@@ -171,10 +171,22 @@ fn shrinks(d: &Diagnosis) -> String {
 pub fn stays(d: &Diagnosis) -> String {
     let torque = &d.shrink.torque;
     let (stay, noise) = (torque.after_nm, torque.noise_floor_nm);
+    let within = within_tolerances(d);
     match d.unexplained.above_noise {
-        true => format!("{stay:.2} N.m stay, {noise:.2} N.m of them noise. {}", rest(d)),
-        false => format!("{stay:.2} N.m stay, no more than noise."),
+        true => format!("{stay:.2} N.m stay, {noise:.2} N.m of them noise.{within} {}", rest(d)),
+        false => format!("{stay:.2} N.m stay, no more than noise.{within}"),
     }
+}
+
+/// How much of what stays may be links and scales of torque, where the data say that these are off.
+fn within_tolerances(d: &Diagnosis) -> String {
+    let all_but = |nm: f64| {
+        format!(
+            " Links and torque that are off within what they are known to would leave {nm:.2} N.m of it (they are in the \
+             mended twin)."
+        )
+    };
+    d.unexplained.beyond_tolerances_nm.map_or(String::new(), all_but)
 }
 
 /// Where most of what stays above the noise is, and on what it depends.

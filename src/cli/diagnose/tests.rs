@@ -16,7 +16,7 @@ fn unexplained(above_noise: bool) -> Unexplained {
         depends_on: vec![Dependence { variable: format!("q_{joint}"), share: 0.4 }],
     };
     let joints = vec![joint(1, 0.6), joint(2, 1.2)];
-    Unexplained { rms_nm: 0.9, fraction: 0.1, above_noise, joints }
+    Unexplained { rms_nm: 0.9, fraction: 0.1, above_noise, beyond_tolerances_nm: None, joints }
 }
 
 fn by_hand() -> Diagnosis {
