@@ -64,7 +64,7 @@ impl Built {
         let motion = Motion { rigid: Some(&rigid), ..observed.motion(&laden) };
         let mut sum = motion.rigid_torque().into_owned();
         for (series, term) in self.series.iter().zip(model.terms()) {
-            if term.candidate.effect.about().scope != Scope::Joint {
+            if term.candidate.is_load() {
                 series.iter().zip(&term.linear).for_each(|(c, value)| add(&mut sum, *value, c));
             }
         }

@@ -259,6 +259,11 @@ impl Candidate {
         self.effect.about().name
     }
 
+    /// Is it felt by more joints than one (a load, a tilt of the base)?
+    pub fn is_load(&self) -> bool {
+        self.effect.about().scope != Scope::Joint
+    }
+
     /// Smallest and largest value of parameter `i` in its unit, as a change of what the twin has of it.
     pub fn range(&self, i: usize, twin: &Twin) -> [f64; 2] {
         if let Place::Links(_) = self.place {

@@ -84,12 +84,12 @@ impl Model {
 
     /// Is a cause a load?
     pub(super) fn carries(&self) -> bool {
-        self.causes.iter().any(|t| t.candidate.effect.about().scope != Scope::Joint)
+        self.causes.iter().any(|t| t.candidate.is_load())
     }
 
     /// Does one cause depend on what others weigh, or on all that the drive supplies?
     pub(super) fn is_entangled(&self) -> bool {
-        let loads = |t: &&Term| t.candidate.effect.about().scope != Scope::Joint;
+        let loads = |t: &&Term| t.candidate.is_load();
         let follows = |t: &Term| t.candidate.effect.follows_drive();
         self.causes.iter().filter(loads).count() > 1 || self.causes.iter().any(follows)
     }

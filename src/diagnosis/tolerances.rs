@@ -3,7 +3,10 @@
 //! A link's mass and first moments are as far from the twin's as these are known, one standard deviation, and the same
 //! at all joints and in all recordings. So is the factor on a joint's torque: unloaded motions hardly tell it from links
 //! that are heavier. All are fitted beside a model as further columns, each expected to be as large as its
-//! tolerance times one size. The data decide that size, up to 1: of an exact twin it is nothing.
+//! tolerance times one size. The data decide that size, up to 1: of an exact twin it is nothing. (What a model takes for
+//! known as random, with what is known of it: Kennedy and O'Hagan 2001; that scales of torque need a known load: Gautier
+//! and Briot, "Global identification of joint drive gains and dynamic parameters of robots", J. Dyn. Sys. Meas. Control
+//! 136(5), 2014.)
 
 use std::sync::Arc;
 
