@@ -114,11 +114,25 @@ impl<'a> Data<'a> {
         Raw::new(rows, self.features.clone())
     }
 
+    /// These recordings, with columns of their own.
+    pub fn again(&self) -> Self {
+        Self {
+            parts: self.parts.clone(),
+            features: self.features.clone(),
+            rated: self.rated.clone(),
+            shares: self.shares.clone(),
+            tolerances: self.tolerances.clone(),
+            kept: Kept::default(),
+            ..*self
+        }
+    }
+
     /// These recordings, each row of a joint counted by the share of them that is independent: what a model
     /// leaves is correlated in time, and so many rows say no more than fewer.
     pub fn counted(self, shares: Vec<f64>) -> Self {
-        let scaled = |(f, s): (&Features, &f64)| f.scaled(s.sqrt());
-        let features = self.features.iter().zip(&shares).map(scaled).collect();
+        let by = self.shares.iter().zip(&shares).map(|(was, now)| (now / was).sqrt());
+        let scaled = |(f, by): (&Features, f64)| f.scaled(by);
+        let features = self.features.iter().zip(by).map(scaled).collect();
         Self { features: Arc::new(features), shares, kept: Kept::default(), ..self }
     }
 

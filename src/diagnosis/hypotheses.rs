@@ -217,7 +217,7 @@ impl<'a> Hypotheses<'a> {
     /// The fit without cause `i`, beside the discrepancy that this leaves.
     pub fn without(&self, fit: &Fit<'a>, i: usize) -> Fit<'a> {
         let cause = fit.model.causes[i].candidate;
-        let without = Fit::new(self.data, fit.model.without(i), fit.sizes.clone());
+        let without = Fit::new(fit.data, fit.model.without(i), fit.sizes.clone());
         self.tuned(without, &self.touched(cause))
     }
 

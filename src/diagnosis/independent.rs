@@ -1,10 +1,44 @@
 //! How much of the rows is independent, and the level at which intervals hold.
 
+use std::cell::OnceCell;
+
+use super::data::Data;
 use super::fit::Fit;
+use super::likely::INCONSISTENT;
+use super::model::Model;
 use crate::statistics::effective_samples;
 
 /// Confidence level of the intervals.
 pub const LEVEL: f64 = 0.9;
+
+/// Passes of counting rows and sizing the discrepancy: they agree after three to five.
+const MOST_PASSES: usize = 8;
+
+/// The recordings, each row counted by what is independent of what a model leaves beside a discrepancy. Where rows
+/// count too much, noise that is correlated in time passes for a discrepancy, which takes it away, so that the rest
+/// looks independent: counts and sizes have to agree.
+pub fn counted<'a>(mut data: Data<'a>, model: &Model) -> Data<'a> {
+    let all: Vec<usize> = (0..data.joints()).collect();
+    for _ in 0..MOST_PASSES {
+        let fit = Fit::plain(&data, model.clone());
+        let sizes = fit.likely_sizes(&all);
+        let shares = shares(&fit.beside(sizes));
+        let mut pairs = shares.iter().zip(&data.shares);
+        let agree = pairs.all(|(now, was)| (now - was).abs() <= INCONSISTENT * was);
+        data = data.counted(shares);
+        if agree {
+            break;
+        }
+    }
+    data
+}
+
+/// The same model and sizes with rows counted by what that leaves, in `data`: what the twin leaves without its causes is
+/// more alike from row to row, and what is expected of values weighs too much beside fewer rows.
+pub fn recounted<'a>(fit: &Fit<'a>, data: &'a OnceCell<Data<'a>>) -> Fit<'a> {
+    let data = data.get_or_init(|| fit.data.again().counted(shares(fit)));
+    Fit::new(data, fit.model.clone(), fit.sizes.clone()).settled()
+}
 
 /// Share of each joint's rows that is independent in what model and discrepancy leave, over that by which
 /// they count already.
@@ -20,4 +54,70 @@ pub fn shares(fit: &Fit<'_>) -> Vec<f64> {
         n => effective_samples(&rows) / n as f64,
     };
     (0..fit.data.joints()).map(|j| share(fit.innovations(j))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::observed::Observed;
+    use crate::diagnosis::sizes::Sizes;
+    use crate::diagnosis::{DiagnosisError, Settings};
+    use crate::signals::Samples;
+    use crate::signals::testing::samples;
+    use crate::twin::Twin;
+
+    const NOISE_NM: f64 = 0.3;
+
+    /// Of an exact twin whose torque has noise that is correlated over ten samples, and `more` of its posture.
+    fn recorded(more: f64) -> Samples {
+        let twin = Twin::default();
+        let mut made = samples(6, 5000, |j, t| {
+            0.7 * ((0.9 + 0.2 * j as f64) * t).sin() + 0.4 * (0.6 * t + j as f64).cos()
+        });
+        let torque = twin.torque(&twin.motion(&made));
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        made.torque = torque.map_joints(|j, torque| {
+            let mut slow = 0.0;
+            let of = |(t, q): (&f64, &f64)| {
+                let [a, white]: [f64; 2] = [(); 2].map(|()| StandardNormal.sample(&mut rng));
+                slow = 0.9 * slow + 0.19f64.sqrt() * a;
+                t + NOISE_NM * 0.5f64.sqrt() * (slow + white) + more * (3.0 * q).sin()
+            };
+            torque.iter().zip(made.q.joint(j)).map(of).collect()
+        });
+        made
+    }
+
+    fn sizes(made: &Samples, agree: bool) -> Result<Sizes, DiagnosisError> {
+        let twin = Twin::default();
+        let settings = Settings { mass_error: 0.0, ..Settings::default() };
+        let observed = Observed::new(0, &twin, made, &noise_floor(made, &twin))?;
+        let mut data = Data::new(vec![&observed], &settings);
+        if agree {
+            data = counted(data, &Model::of(&twin));
+        }
+        Ok(Fit::plain(&data, Model::of(&twin)).likely_sizes(&[0, 1, 2, 3, 4, 5]))
+    }
+
+    #[test]
+    fn slow_noise_is_no_discrepancy() {
+        let made = recorded(0.0);
+        let of_joints = |agree: bool| {
+            let joints = sizes(&made, agree).unwrap().joints;
+            joints.iter().filter(|groups| groups.iter().any(|step| *step > 0)).count()
+        };
+        assert_eq!(of_joints(false), 6);
+        assert!(of_joints(true) <= 1);
+    }
+
+    #[test]
+    fn a_discrepancy_stands_beside_slow_noise() {
+        let found = sizes(&recorded(NOISE_NM), true).unwrap();
+        assert!(found.joints.iter().all(|groups| groups[0] > 0), "{found:?}");
+    }
 }

@@ -84,6 +84,8 @@ pub use rounds::SEARCHING;
 pub use shrink::{BeforeAfter, torque_shrink};
 pub use traces::{Held, JointTraces, Traces};
 
+use std::cell::OnceCell;
+
 use crate::follow::{Interrupted, Watch, stoppable};
 use crate::signals::Samples;
 use crate::twin::Twin;
@@ -231,9 +233,11 @@ fn once(
     let (fit, check) = (observed(0, "fit")?, observed(1, "check")?);
     let rounds = rounds::Rounds::new(watch, settings.criteria.most_causes);
     let [one, other_one] = [0, 1].map(|search| rounds.of(search));
+    let counted = |data| independent::counted(data, &model::Model::of(twin));
     let both = counted(data::Data::new(vec![&fit, &check], settings).watched(&one));
     let alone = counted(data::Data::new(vec![&fit], settings).watched(&other_one));
     let other = counted(data::Data::new(vec![&check], settings).watched(watch));
+    let answered = OnceCell::new();
     let search = |data, recordings: &[usize]| hypotheses::Hypotheses {
         data,
         candidates: candidate::candidates(twin, &settings.without, recordings),
@@ -244,22 +248,12 @@ fn once(
     let both = search(&both, if proof.is_some() { &[] } else { &[0, 1] });
     let alone = search(&alone, &[0]);
     let floor = floors[1].clone();
-    let findings =
+    let mut findings =
         findings::Findings::new(&both, &alone, judge, [&fit, &check], floor, settings, proof)?;
+    findings.last = independent::recounted(&findings.last, &answered);
     let mut answer = findings.answer();
     let mended = mend(twin, &answer.fitted, &answer.changes());
     touches::touched(&mended, samples, &mut answer.episodes)?;
     let traces = Traces::new(&findings, &answer);
     Ok((answer, traces))
-}
-
-/// Rows counted by what is independent of what the twin leaves beside a discrepancy.
-fn counted<'a>(data: data::Data<'a>) -> data::Data<'a> {
-    let shares = {
-        let fit = fit::Fit::plain(&data, model::Model::of(data.twin));
-        let all: Vec<usize> = (0..data.joints()).collect();
-        let sizes = fit.likely_sizes(&all);
-        independent::shares(&fit.beside(sizes))
-    };
-    data.counted(shares)
 }
