@@ -103,8 +103,7 @@ pub struct JointGap {
     pub high_nm: f64,
     /// What the sensors' noise alone would give, N.m.
     pub noise_floor_nm: f64,
-    /// `repeats` (cycles of the recording), `estimate` (its spectrum where nothing moves, taken for
-    /// white) or `estimate with colour` (and slower noise, as much as the quietest joint shows).
+    /// `repeats` (cycles of the recording) or `estimate` (its spectrum where nothing moves, taken for white).
     pub floor_from: String,
     /// This joint's share of the squared gaps of all joints above their floors.
     pub share: f64,
@@ -313,7 +312,14 @@ pub struct Unexplained {
     /// N.m; absent where the twin is taken for exact, or the data do so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beyond_tolerances_nm: Option<f64>,
+    /// Mean square of the noise over that of the joints' floors, which hold no slow noise; 1 where it is not told.
+    #[serde(default = "one")]
+    pub noise_over_floor: f64,
     pub joints: Vec<UnexplainedJoint>,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -322,11 +328,14 @@ pub struct UnexplainedJoint {
     pub joint: usize,
     /// N.m
     pub rms_nm: f64,
+    /// As that of all joints.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beyond_tolerances_nm: Option<f64>,
     /// Root mean square of the noise alone, N.m.
     pub noise_floor_nm: f64,
     /// The discrepancy the evidence asks for beside the causes, N.m; 0: none.
     pub discrepancy_nm: f64,
-    /// What it goes along with, most first.
+    /// What it goes along with beyond the tolerances, most first.
     pub depends_on: Vec<Dependence>,
 }
 

@@ -22,7 +22,7 @@ use crate::signals::central_difference;
 /// Groups, each with a size of its own.
 pub const GROUPS: [&str; 4] = ["posture", "timing", "time", "friction"];
 /// Groups whose size is known beforehand: no larger than the features as they come.
-const KNOWN: [&str; 1] = ["timing"];
+pub const KNOWN: [&str; 1] = ["timing"];
 /// The group of what the twin leaves open: its mean belongs to that.
 const OPEN: &str = "friction";
 /// Share of the time between samples: channels are not taken at one instant better than this.

@@ -107,10 +107,10 @@ impl<'a> Fit<'a> {
         self.ln_likelihoods() - self.system.occam_penalty(0) - starts
     }
 
-    /// Evidence for a discrepancy over none beside the same causes and tolerances, nats: the best of so many sizes.
+    /// Evidence for a discrepancy over none beside the same causes and what is known within limits, nats: the best of
+    /// so many sizes.
     pub fn evidence_of_discrepancy(&self) -> f64 {
-        let sizes = Sizes { tolerances: self.sizes.tolerances, ..self.data.nothing() };
-        let plain = self.clone().beside(sizes);
+        let plain = self.clone().beside(self.sizes.within_limits());
         (self.ln_evidence() - plain.ln_evidence()) - (self.sizes.count() as f64).ln()
     }
 

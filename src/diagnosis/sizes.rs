@@ -1,6 +1,6 @@
 //! How large what a model leaves out is, as steps on grids.
 
-use super::discrepancy::GROUPS;
+use super::discrepancy::{GROUPS, KNOWN};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sizes {
@@ -14,6 +14,13 @@ impl Sizes {
     /// Nothing is left out.
     pub fn nothing(joints: usize) -> Self {
         Self { joints: vec![vec![0; GROUPS.len()]; joints], tolerances: 0 }
+    }
+
+    /// Only what is known to be no larger than so much.
+    pub fn within_limits(&self) -> Self {
+        let known = |(g, step): (usize, &u8)| if KNOWN.contains(&GROUPS[g]) { *step } else { 0 };
+        let joints = self.joints.iter().map(|steps| steps.iter().enumerate().map(known).collect());
+        Self { joints: joints.collect(), tolerances: self.tolerances }
     }
 
     /// All that is there smaller by so many steps.

@@ -20,52 +20,73 @@ const BINS: usize = 24;
 const TOLD: usize = 3;
 const LEAST_SHARE: f64 = 0.05;
 
-/// A recording, what is left of it (N.m at its rows) and the load of the twin.
+/// A recording, and what is left of it, N.m at its rows.
 pub struct Left<'a> {
     pub observed: &'a Observed<'a>,
-    pub residual: &'a Blocks,
+    pub residual: Blocks,
 }
 
-/// `before`, `beyond` (within the twin's tolerances) and `left[1]` are of the check recording, `left[0]` of the one
-/// that was fitted; `last` has the discrepancy beside all causes.
+impl Left<'_> {
+    /// Joint by joint, (N.m)^2.
+    fn mean_squares(&self) -> Vec<f64> {
+        let rows = self.observed.rows.iter().map(|rows| rows.len().max(1) as f64);
+        self.residual.squares().into_iter().zip(rows).map(|(sum, rows)| sum / rows).collect()
+    }
+
+    /// Every joint counts alike, as in the gap, (N.m)^2.
+    pub fn mean_square(&self) -> f64 {
+        let joints = self.mean_squares();
+        joints.iter().sum::<f64>() / joints.len().max(1) as f64
+    }
+}
+
+/// Of the recording that was fitted and of the check recording `left` is what the causes leave, and `within` what links
+/// and scales of torque within the twin's tolerances leave of that, where they help; `before` is of the check
+/// recording. `last` has the discrepancy beside all causes.
 pub fn unexplained(
     left: &[Left<'_>; 2],
-    before: &Blocks,
-    beyond: Option<&Blocks>,
+    within: Option<&[Left<'_>; 2]>,
+    before: &Left<'_>,
     floor: &[Floor],
     last: &Fit<'_>,
     criteria: &Criteria,
 ) -> Unexplained {
-    let check = &left[1];
-    // Every joint counts alike, as in the gap.
-    let mean_square = |blocks: &Blocks| {
-        let rows = check.observed.rows.iter().map(|rows| rows.len().max(1) as f64);
-        let joints = blocks.squares().into_iter().zip(rows).map(|(sum, rows)| sum / rows);
-        joints.sum::<f64>() / floor.len().max(1) as f64
+    let beyond = within.unwrap_or(left);
+    let [after, rest] = [left, beyond].map(|both| both[1].mean_squares());
+    let joint = |j: usize| UnexplainedJoint {
+        joint: j + 1,
+        rms_nm: after[j].sqrt(),
+        beyond_tolerances_nm: within.map(|_| rest[j].sqrt()),
+        noise_floor_nm: floor[j].noise_nm,
+        discrepancy_nm: rms(&last.discrepancy(j)),
+        depends_on: depends_on(beyond, j),
     };
-    let (b, a) = (mean_square(before), mean_square(check.residual));
-    let joints: Vec<UnexplainedJoint> =
-        (0..floor.len()).into_par_iter().map(|j| joint(left, j, &floor[j], last)).collect();
-    let loud =
-        |j: &UnexplainedJoint| j.rms_nm.powi(2) > criteria.above_noise * j.noise_floor_nm.powi(2);
+    let louder: Vec<f64> = rest.iter().zip(floor).map(|(r, f)| r / f.noise_nm.powi(2)).collect();
+    let noise_over_floor = noise_over_floor(&louder);
+    let loud = louder.iter().any(|l| *l > criteria.above_noise * noise_over_floor);
+    let (b, a) = (before.mean_square(), left[1].mean_square());
     Unexplained {
         rms_nm: a.sqrt(),
         fraction: if b > 0.0 { a / b } else { 0.0 },
-        beyond_tolerances_nm: beyond.map(|b| mean_square(b).sqrt()),
-        above_noise: last.evidence_of_discrepancy() > 0.0 || joints.iter().any(loud),
-        joints,
+        beyond_tolerances_nm: within.map(|both| both[1].mean_square().sqrt()),
+        noise_over_floor,
+        above_noise: last.evidence_of_discrepancy() > 0.0 || loud,
+        joints: (0..floor.len()).into_par_iter().map(joint).collect(),
     }
 }
 
-fn joint(left: &[Left<'_>; 2], j: usize, floor: &Floor, last: &Fit<'_>) -> UnexplainedJoint {
-    let rms = |x: &[f64]| (x.iter().map(|v| v * v).sum::<f64>() / x.len().max(1) as f64).sqrt();
-    UnexplainedJoint {
-        joint: j + 1,
-        rms_nm: rms(left[1].residual.joint(j)),
-        noise_floor_nm: floor.noise_nm,
-        discrepancy_nm: rms(&last.discrepancy(j)),
-        depends_on: depends_on(left, j),
+/// Mean square of the noise over that of its floor, from what is left of every joint over its floor: slow noise is not
+/// in the floor, and is alike in all of an arm's channels, so that the quietest of several joints has no less of
+/// it. What one joint alone has is not told from a gap.
+fn noise_over_floor(louder: &[f64]) -> f64 {
+    match louder {
+        [] | [_] => 1.0,
+        all => all.iter().copied().fold(f64::INFINITY, f64::min).max(1.0),
     }
+}
+
+fn rms(x: &[f64]) -> f64 {
+    (x.iter().map(|v| v * v).sum::<f64>() / x.len().max(1) as f64).sqrt()
 }
 
 fn depends_on(left: &[Left<'_>; 2], j: usize) -> Vec<Dependence> {
@@ -123,4 +144,16 @@ fn share(left: &[Left<'_>; 2], j: usize, learned: &[f64], judged: &[f64]) -> f64
     let before: f64 = judged.iter().map(|(_, r)| r * r).sum();
     let after: f64 = judged.iter().map(|(x, r)| (r - predicted(*x)).powi(2)).sum();
     if before > 0.0 { 1.0 - after / before } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_is_what_the_quietest_of_several_joints_has() {
+        assert_eq!(noise_over_floor(&[2.1, 90.0, 2.4]), 2.1);
+        assert_eq!(noise_over_floor(&[0.9, 1.1]), 1.0);
+        assert_eq!(noise_over_floor(&[90.0]), 1.0);
+    }
 }

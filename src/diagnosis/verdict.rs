@@ -29,7 +29,6 @@ use super::{
     slow, torque_shrink, words,
 };
 use crate::effects::Role;
-use crate::regression::Blocks;
 
 const SCHEMA: &str = "armtwin.diagnosis/1";
 
@@ -201,10 +200,12 @@ impl<'a> Findings<'a> {
         ranking::replicated(probability, candidate, &self.gains[i], self.criteria())
     }
 
-    /// What a model leaves of both recordings, values from the fit recording, N.m.
-    fn left(&self, model: &Model) -> [Blocks; 2] {
-        let plain = Fit::plain(self.alone.data, model.clone());
-        [self.fit, self.check].map(|recording| plain.held_against(recording))
+    /// What a model leaves of both recordings within tolerances of this size, values from the fit recording, N.m.
+    fn left(&self, model: &Model, tolerances: u8) -> [Left<'_>; 2] {
+        let data = self.alone.data;
+        let fit = Fit::new(data, model.clone(), Sizes { tolerances, ..data.nothing() });
+        [self.fit, self.check]
+            .map(|observed| Left { observed, residual: fit.held_within(observed) })
     }
 
     /// What the causes leave that both searches find, values from the fit recording.
@@ -214,17 +215,13 @@ impl<'a> Findings<'a> {
         while let Some(i) = explained.model.causes.iter().position(is_open) {
             explained = self.search.without(&explained, i);
         }
-        let left = self.left(&explained.model);
-        let tolerances = explained.sizes.tolerances;
-        let beyond = (tolerances > 0).then(|| {
-            let data = self.alone.data;
-            let sizes = Sizes { tolerances, ..data.nothing() };
-            Fit::new(data, explained.model.clone(), sizes).held_within(self.check)
-        });
-        let of = |i: usize| Left { observed: [self.fit, self.check][i], residual: &left[i] };
-        let both = [of(0), of(1)];
-        let (before, beyond) = (&self.held.before, beyond.as_ref());
-        unexplained(&both, before, beyond, &self.floor, &explained, self.criteria())
+        let of = |tolerances: u8| self.left(&explained.model, tolerances);
+        let (left, within) = (of(0), of(explained.sizes.tolerances));
+        // Links and scales that fit one recording and not the other hold nothing.
+        let helps = within[1].mean_square() < left[1].mean_square();
+        let before = Left { observed: self.check, residual: self.held.before.clone() };
+        let within = helps.then_some(&within);
+        unexplained(&left, within, &before, &self.floor, &explained, self.criteria())
     }
 
     fn rejected(&self) -> Vec<Rejected> {
@@ -254,8 +251,9 @@ impl<'a> Findings<'a> {
     }
 
     fn episodes(&self) -> Vec<Episode> {
-        let left = self.left(&self.last.model);
-        episodes((self.fit, &left[0]), (self.check, &left[1]))
+        let left = self.left(&self.last.model, 0);
+        let [fit, check] = left.each_ref().map(|l| (l.observed, &l.residual));
+        episodes(fit, check)
     }
 
     /// The next experiment, for the cause that is least told from its best rival.

@@ -30,7 +30,7 @@ pub fn list(joints: &[usize]) -> String {
 pub fn sentence(d: &Diagnosis) -> String {
     let first = match d.verdict {
         Verdict::NoGap => no_gap(d),
-        Verdict::Explained => format!("{} {} No more than noise stays.", lacks(d), shrinks(d)),
+        Verdict::Explained => format!("{} {} {}", lacks(d), shrinks(d), noise_stays(d)),
         Verdict::PartlyExplained => format!("{} {} {}", lacks(d), shrinks(d), stays(d)),
         Verdict::Unexplained => format!("{} {}", unexplained(d), stays(d)),
     };
@@ -111,7 +111,7 @@ pub fn further(d: &Diagnosis) -> String {
     let parts = match d.verdict {
         Verdict::NoGap => vec![pushes(d)],
         Verdict::Unexplained => vec![stays(d), pushes(d)],
-        Verdict::Explained => vec![sizes, "No more than noise stays.".into(), pushes(d)],
+        Verdict::Explained => vec![sizes, noise_stays(d), pushes(d)],
         Verdict::PartlyExplained => vec![sizes, rest(d), pushes(d)],
     };
     parts.into_iter().filter(|p| !p.is_empty()).collect::<Vec<_>>().join(" ")
@@ -135,11 +135,16 @@ pub fn above_noise(d: &Diagnosis) -> String {
 }
 
 fn no_gap(d: &Diagnosis) -> String {
-    format!(
-        "No gap: the twin's torque agrees with the recorded one as far as its noise lets one see ({:.2} \
-         N.m apart).",
-        d.shrink.torque.before_nm
-    )
+    let apart = d.shrink.torque.before_nm;
+    match d.unexplained.beyond_tolerances_nm {
+        Some(beyond) => format!(
+            "No gap: the twin's torque agrees with the recorded one within what its links and torque are known to, as far \
+             as noise lets one see ({apart:.2} N.m apart, {beyond:.2} with those of the mended twin)."
+        ),
+        None => format!(
+            "No gap: the twin's torque agrees with the recorded one as far as its noise lets one see ({apart:.2} N.m apart)."
+        ),
+    }
 }
 
 fn unexplained(d: &Diagnosis) -> String {
@@ -174,7 +179,23 @@ pub fn stays(d: &Diagnosis) -> String {
     let within = within_tolerances(d);
     match d.unexplained.above_noise {
         true => format!("{stay:.2} N.m stay, {noise:.2} N.m of them noise.{within} {}", rest(d)),
-        false => format!("{stay:.2} N.m stay, no more than noise.{within}"),
+        false => format!("{stay:.2} N.m stay, no more than noise.{within}{}", coloured(d)),
+    }
+}
+
+fn noise_stays(d: &Diagnosis) -> String {
+    format!("No more than noise stays.{}{}", within_tolerances(d), coloured(d))
+}
+
+/// How far the noise lies above its floor, where slow noise does.
+fn coloured(d: &Diagnosis) -> String {
+    let louder = d.unexplained.noise_over_floor.sqrt();
+    match d.unexplained.noise_over_floor > d.criteria.above_noise {
+        true => format!(
+            " All joints are at least {louder:.1} times as loud as the noise floor ({:.2} N.m), which holds no slow noise.",
+            d.shrink.torque.noise_floor_nm
+        ),
+        false => String::new(),
     }
 }
 
@@ -191,7 +212,8 @@ fn within_tolerances(d: &Diagnosis) -> String {
 
 /// Where most of what stays above the noise is, and on what it depends.
 fn rest(d: &Diagnosis) -> String {
-    let excess = |j: &&UnexplainedJoint| j.rms_nm - j.noise_floor_nm;
+    let rms = |j: &UnexplainedJoint| j.beyond_tolerances_nm.unwrap_or(j.rms_nm);
+    let excess = |j: &&UnexplainedJoint| rms(j) - j.noise_floor_nm;
     let most = d.unexplained.joints.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)));
     most.map_or(String::new(), |j| {
         let along = j.depends_on.first();

@@ -58,8 +58,8 @@ pub fn candidate(r: &Ranked) -> Vec<String> {
     vec![r.effect.clone(), place, probability, gain(r.nats)]
 }
 
-pub const UNEXPLAINED: [&str; 5] =
-    ["joint", "stays N.m", "noise floor", "discrepancy", "goes along with"];
+pub const UNEXPLAINED: [&str; 6] =
+    ["joint", "stays N.m", "beyond tolerances", "noise floor", "discrepancy", "goes along with"];
 
 /// What the causes leave at a joint.
 pub fn unexplained(j: &UnexplainedJoint) -> Vec<String> {
@@ -69,6 +69,7 @@ pub fn unexplained(j: &UnexplainedJoint) -> Vec<String> {
     vec![
         j.joint.to_string(),
         nm(j.rms_nm),
+        j.beyond_tolerances_nm.map_or("-".into(), nm),
         nm(j.noise_floor_nm),
         nm(j.discrepancy_nm),
         along.join(", "),

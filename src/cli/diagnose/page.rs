@@ -44,7 +44,7 @@ fn shrink(d: &Diagnosis) -> String {
 }
 
 fn unexplained(d: &Diagnosis) -> String {
-    let rows = table(&rows::UNEXPLAINED, 4, d.unexplained.joints.iter().map(rows::unexplained));
+    let rows = table(&rows::UNEXPLAINED, 5, d.unexplained.joints.iter().map(rows::unexplained));
     titled("What stays", &format!("{}{rows}", paragraph("", &words::stays(d))))
 }
 

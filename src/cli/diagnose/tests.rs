@@ -11,12 +11,20 @@ fn unexplained(above_noise: bool) -> Unexplained {
     let joint = |joint: usize, rms_nm: f64| UnexplainedJoint {
         joint,
         rms_nm,
+        beyond_tolerances_nm: None,
         noise_floor_nm: 0.5,
         discrepancy_nm: 0.0,
         depends_on: vec![Dependence { variable: format!("q_{joint}"), share: 0.4 }],
     };
     let joints = vec![joint(1, 0.6), joint(2, 1.2)];
-    Unexplained { rms_nm: 0.9, fraction: 0.1, above_noise, beyond_tolerances_nm: None, joints }
+    Unexplained {
+        rms_nm: 0.9,
+        fraction: 0.1,
+        above_noise,
+        noise_over_floor: 1.0,
+        joints,
+        ..Unexplained::default()
+    }
 }
 
 fn by_hand() -> Diagnosis {

@@ -98,7 +98,7 @@ fn left_title(d: &Diagnosis) -> String {
 fn left(d: &Diagnosis) -> Markup {
     html! {
         p { (words::stays(d)) }
-        (table(&rows::UNEXPLAINED, 4, d.unexplained.joints.iter().map(rows::unexplained)))
+        (table(&rows::UNEXPLAINED, 5, d.unexplained.joints.iter().map(rows::unexplained)))
     }
 }
 
