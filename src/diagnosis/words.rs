@@ -30,7 +30,7 @@ pub fn list(joints: &[usize]) -> String {
 pub fn sentence(d: &Diagnosis) -> String {
     let first = match d.verdict {
         Verdict::NoGap => no_gap(d),
-        Verdict::Explained => format!("{} {} {}", lacks(d), shrinks(d), noise_stays(d)),
+        Verdict::Explained => format!("{} {} {}", lacks(d), shrinks(d), stays(d)),
         Verdict::PartlyExplained => format!("{} {} {}", lacks(d), shrinks(d), stays(d)),
         Verdict::Unexplained => format!("{} {}", unexplained(d), stays(d)),
     };
@@ -111,7 +111,7 @@ pub fn further(d: &Diagnosis) -> String {
     let parts = match d.verdict {
         Verdict::NoGap => vec![pushes(d)],
         Verdict::Unexplained => vec![stays(d), pushes(d)],
-        Verdict::Explained => vec![sizes, noise_stays(d), pushes(d)],
+        Verdict::Explained => vec![sizes, stays(d), pushes(d)],
         Verdict::PartlyExplained => vec![sizes, rest(d), pushes(d)],
     };
     parts.into_iter().filter(|p| !p.is_empty()).collect::<Vec<_>>().join(" ")
@@ -121,6 +121,7 @@ pub fn further(d: &Diagnosis) -> String {
 pub fn above_noise(d: &Diagnosis) -> String {
     let t = &d.shrink.torque;
     let share = match t.above_noise().map(|share| share.map(percent)) {
+        _ if d.verdict == Verdict::NoGap => "nothing else is to be explained".into(),
         Some(_) if is_worse(d) => WORSE.into(),
         Some([share, low, high]) => format!(
             "{share} of the gap above the noise is explained (90 % interval {low} to {high}; shares are of \
@@ -176,19 +177,25 @@ fn shrinks(d: &Diagnosis) -> String {
 pub fn stays(d: &Diagnosis) -> String {
     let torque = &d.shrink.torque;
     let (stay, noise) = (torque.after_nm, torque.noise_floor_nm);
-    let within = within_tolerances(d);
-    match d.unexplained.above_noise {
-        true => format!("{stay:.2} N.m stay, {noise:.2} N.m of them noise.{within} {}", rest(d)),
-        false => format!("{stay:.2} N.m stay, no more than noise.{within}{}", coloured(d)),
+    match (d.unexplained.above_noise, d.unexplained.beyond_tolerances_nm) {
+        (true, Some(beyond)) => format!(
+            "{stay:.2} N.m stay, {noise:.2} N.m of them noise. {WITHIN} would leave {beyond:.2} N.m of it (they are in the \
+             mended twin). {}",
+            rest(d)
+        ),
+        (true, None) => format!("{stay:.2} N.m stay, {noise:.2} N.m of them noise. {}", rest(d)),
+        (false, Some(beyond)) => format!(
+            "{stay:.2} N.m stay. {WITHIN} leave {beyond:.2} N.m of it (they are in the mended twin), no more than noise.{}",
+            slow_noise(d)
+        ),
+        (false, None) => format!("{stay:.2} N.m stay, no more than noise.{}", slow_noise(d)),
     }
 }
 
-fn noise_stays(d: &Diagnosis) -> String {
-    format!("No more than noise stays.{}{}", within_tolerances(d), coloured(d))
-}
+const WITHIN: &str = "Links and torque that are off within what they are known to";
 
 /// How far the noise lies above its floor, where slow noise does.
-fn coloured(d: &Diagnosis) -> String {
+fn slow_noise(d: &Diagnosis) -> String {
     let louder = d.unexplained.noise_over_floor.sqrt();
     match d.unexplained.noise_over_floor > d.criteria.above_noise {
         true => format!(
@@ -197,17 +204,6 @@ fn coloured(d: &Diagnosis) -> String {
         ),
         false => String::new(),
     }
-}
-
-/// How much of what stays may be links and scales of torque, where the data say that these are off.
-fn within_tolerances(d: &Diagnosis) -> String {
-    let all_but = |nm: f64| {
-        format!(
-            " Links and torque that are off within what they are known to would leave {nm:.2} N.m of it (they are in the \
-             mended twin)."
-        )
-    };
-    d.unexplained.beyond_tolerances_nm.map_or(String::new(), all_but)
 }
 
 /// Where most of what stays above the noise is, and on what it depends.

@@ -144,7 +144,7 @@ fn the_answer_says_what_where_how_sure_and_how_far() {
     let parts = [
         "payload or link_inertia at joint 6 (payload_mass 2.81 kg; 97 % sure)",
         "from 3.20 to 0.50 N.m",
-        "No more than noise",
+        "no more than noise",
     ];
     for part in parts {
         assert!(said.contains(part), "no {part:?} in {said}");
