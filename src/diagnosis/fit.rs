@@ -39,6 +39,8 @@ pub struct Fit<'a> {
     pub modelled: Arc<Vec<JointSeries>>,
     /// What the arm with its causes weighs, of each recording.
     rigid: Vec<Arc<Rigid>>,
+    /// Values of what the twin states within limits, in units of its tolerances, where they are not fitted.
+    stated: Option<Vec<f64>>,
 }
 
 impl<'a> Fit<'a> {
@@ -46,14 +48,24 @@ impl<'a> Fit<'a> {
     /// of them, in two rounds. Again where one cause depends on the values of another, until they
     /// agree: columns that belong to other values predict another recording badly.
     pub fn new(data: &'a Data<'a>, model: Model, sizes: Sizes) -> Self {
-        let mut fit = Self::once(data, model, sizes);
+        Self::stated(data, model, sizes, None)
+    }
+
+    /// The same with what the twin states within limits at the values of another fit.
+    pub fn within_those_of(other: &Self, model: Model) -> Self {
+        let stated = Some(other.tolerances().to_vec());
+        Self::stated(other.data, model, other.sizes.clone(), stated)
+    }
+
+    fn stated(data: &'a Data<'a>, model: Model, sizes: Sizes, stated: Option<Vec<f64>>) -> Self {
+        let mut fit = Self::once(data, model, sizes, stated);
         for _ in 0..MOST_PASSES {
             let scaled = fit.sizes.tolerances > 0 && fit.model.carries();
             if !(scaled || fit.model.is_entangled()) {
                 break;
             }
             let before = fit.system.x.clone();
-            fit = Self::once(data, fit.model, fit.sizes);
+            fit = Self::once(data, fit.model, fit.sizes, fit.stated);
             if fit.system.is_near(&before) {
                 break;
             }
@@ -66,21 +78,31 @@ impl<'a> Fit<'a> {
         Self::new(data, model, data.nothing())
     }
 
-    fn once(data: &'a Data<'a>, mut model: Model, sizes: Sizes) -> Self {
+    fn once(data: &'a Data<'a>, mut model: Model, sizes: Sizes, stated: Option<Vec<f64>>) -> Self {
         go_on(data.watch);
         let built: Vec<Built> = data.parts.par_iter().map(|p| Built::new(p, &model)).collect();
         let mut columns = columns(data, &model, &built);
-        columns.extend(data.within_tolerances(|p| built[p].carried(data.parts[p], &model)));
-        let y = recorded(data, &model, &built);
+        let within = data.within_tolerances(|p| built[p].carried(data.parts[p], &model));
+        let mut y = recorded(data, &model, &built);
+        let tolerances = match &stated {
+            Some(stated) => {
+                y = y.less_sum(stated, &within);
+                0
+            }
+            None => {
+                columns.extend(within);
+                sizes.tolerances
+            }
+        };
         let normal = Normal::new(columns, y);
         let metric = data.metric(&sizes);
-        let system = solved(data, &model, &normal, &metric, sizes.tolerances);
+        let system = solved(data, &model, &normal, &metric, tolerances);
         let each = data.parts.par_iter().zip(&built);
         let modelled = Arc::new(each.map(|(p, b)| b.modelled(p, &system.x)).collect());
         model.carry(data.twin, &system.x);
         let squares = system.residual.squares();
         let rigid = data.parts.iter().map(|p| p.rigid(&model.laden)).collect();
-        Self { data, model, sizes, metric, system, squares, normal, modelled, rigid }
+        Self { data, model, sizes, metric, system, squares, normal, modelled, rigid, stated }
     }
 
     /// Is nothing left out at a joint?
@@ -183,7 +205,10 @@ impl<'a> Fit<'a> {
             return Arc::new(self.raw(candidate, nonlinear));
         }
         let key = key(&self.model, candidate, nonlinear) + &of_sensors(&self.model);
-        self.data.kept(&key, |p| self.blocks(p, candidate, nonlinear))
+        // Other searches of a recording come to the same.
+        let blocks =
+            |p: usize| self.data.parts[p].kept.get(&key, || self.blocks(p, candidate, nonlinear));
+        self.data.kept(&key, |p| blocks(p).to_vec())
     }
 
     /// The columns of `raw` in the metric of this fit.
@@ -221,7 +246,10 @@ impl<'a> Fit<'a> {
 
     /// Values of what the twin states within limits, in units of its tolerances; none where it is exact.
     fn tolerances(&self) -> &[f64] {
-        &self.system.x.as_slice()[self.terms()..]
+        match &self.stated {
+            Some(stated) => stated,
+            None => &self.system.x.as_slice()[self.terms()..],
+        }
     }
 
     /// Torque of the rigid arm with what the causes weigh in recording `p`, over all samples, N.m.

@@ -1,7 +1,5 @@
 //! How much of the rows is independent, and the level at which intervals hold.
 
-use std::cell::OnceCell;
-
 use super::data::Data;
 use super::fit::Fit;
 use super::likely::INCONSISTENT;
@@ -14,17 +12,17 @@ pub const LEVEL: f64 = 0.9;
 /// Passes of counting rows and sizing the discrepancy: they agree after three to five.
 const MOST_PASSES: usize = 8;
 
-/// The recordings, each row counted by what is independent of what a model leaves beside a discrepancy. Where rows
+/// These recordings, each row counted by what is independent of what a model leaves beside a discrepancy. Where rows
 /// count too much, noise that is correlated in time passes for a discrepancy, which takes it away, so that the rest
 /// looks independent: counts and sizes have to agree.
-pub fn counted<'a>(mut data: Data<'a>, model: &Model) -> Data<'a> {
-    let all: Vec<usize> = (0..data.joints()).collect();
+pub fn counted<'a>(all_rows: &Data<'a>, model: &Model) -> Data<'a> {
+    let joints: Vec<usize> = (0..all_rows.joints()).collect();
+    let mut data = all_rows.again();
     for _ in 0..MOST_PASSES {
         let fit = Fit::plain(&data, model.clone());
-        let sizes = fit.likely_sizes(&all);
+        let sizes = fit.likely_sizes(&joints);
         let shares = shares(&fit.beside(sizes));
-        let mut pairs = shares.iter().zip(&data.shares);
-        let agree = pairs.all(|(now, was)| (now - was).abs() <= INCONSISTENT * was);
+        let agree = are_near(&shares, &data.shares);
         data = data.counted(shares);
         if agree {
             break;
@@ -33,11 +31,9 @@ pub fn counted<'a>(mut data: Data<'a>, model: &Model) -> Data<'a> {
     data
 }
 
-/// The same model and sizes with rows counted by what that leaves, in `data`: what the twin leaves without its causes is
-/// more alike from row to row, and what is expected of values weighs too much beside fewer rows.
-pub fn recounted<'a>(fit: &Fit<'a>, data: &'a OnceCell<Data<'a>>) -> Fit<'a> {
-    let data = data.get_or_init(|| fit.data.again().counted(shares(fit)));
-    Fit::new(data, fit.model.clone(), fit.sizes.clone()).settled()
+/// Do rows count as much, joint by joint?
+pub fn are_near(shares: &[f64], others: &[f64]) -> bool {
+    shares.iter().zip(others).all(|(a, b)| (a - b).abs() <= INCONSISTENT * b)
 }
 
 /// Share of each joint's rows that is independent in what model and discrepancy leave, over that by which
@@ -99,7 +95,7 @@ mod tests {
         let observed = Observed::new(0, &twin, made, &noise_floor(made, &twin))?;
         let mut data = Data::new(vec![&observed], &settings);
         if agree {
-            data = counted(data, &Model::of(&twin));
+            data = counted(&data, &Model::of(&twin));
         }
         Ok(Fit::plain(&data, Model::of(&twin)).likely_sizes(&[0, 1, 2, 3, 4, 5]))
     }

@@ -12,7 +12,6 @@ use super::criteria::Criteria;
 use super::data::Data;
 use super::fit::Fit;
 use super::independent::LEVEL;
-use super::model::Model;
 use crate::regression::Column;
 use crate::statistics::normal_quantile;
 
@@ -55,11 +54,11 @@ impl Judge<'_> {
     /// Gain by cause `i` of a fit to both recordings: what it takes off what the others leave.
     pub fn gain(&self, fit: &Fit<'_>, i: usize) -> Gain {
         let (check, metric) = (self.check, self.check.metric(&fit.sizes));
-        let left = |model: Model| {
-            let fit = Fit::new(self.fit, model, fit.sizes.clone());
-            Column::new(&check.raw(vec![fit.held_within(check.parts[0])]), &metric)
-        };
-        let (before, after) = (left(fit.model.without(i)), left(fit.model.clone()));
+        let left =
+            |fit: &Fit<'_>| Column::new(&check.raw(vec![fit.held_within(check.parts[0])]), &metric);
+        let with = Fit::new(self.fit, fit.model.clone(), fit.sizes.clone());
+        let without = Fit::within_those_of(&with, fit.model.without(i));
+        let (before, after) = (left(&without), left(&with));
         let mut taken = before.clone();
         taken.add_scaled(-1.0, &after);
         let [b, a, d] = [&before, &after, &taken].map(Column::squares);
@@ -109,8 +108,11 @@ mod tests {
     use crate::diagnosis::Settings;
     use crate::diagnosis::candidate::{Place, Term};
     use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::model::Model;
     use crate::diagnosis::observed::Observed;
+    use crate::diagnosis::sizes::Sizes;
     use crate::effects::find;
+    use crate::regression::random_effects::STEPS;
     use crate::signals::Samples;
     use crate::signals::testing::{noisy, samples};
     use crate::twin::Twin;
@@ -118,6 +120,7 @@ mod tests {
     const JOINT: usize = 2;
     const OFFSET_NM: f64 = 1.0;
     const NOISE_NM: f64 = 0.5;
+    const ROTOR_KG_M2: f64 = 1.0;
 
     /// An arm whose twin lacks an offset at one joint.
     fn recorded(speed: f64) -> Samples {
@@ -158,6 +161,33 @@ mod tests {
         assert!((taken / OFFSET_NM.powi(2) - 1.0).abs() < 0.1, "{taken}");
         assert!(low > 0.0 && low < fraction && fraction < high, "{low} {fraction} {high}");
         assert!(gain.acts && gain.where_exact > 0.5, "{gain:?}");
+    }
+
+    /// The scale of the torque of a joint that carries nothing could stand for its rotor, were it not known.
+    #[test]
+    fn what_the_twin_states_within_limits_stands_for_no_cause() {
+        let twin = Twin::default();
+        let run = |speed: f64| {
+            let mut made = recorded(speed);
+            let rotor = made.qdd.joint(0).iter().map(|a| ROTOR_KG_M2 * a).collect::<Vec<f64>>();
+            made.torque.joint_mut(0).iter_mut().zip(rotor).for_each(|(t, r)| *t += r);
+            made
+        };
+        let made = [run(0.9), run(1.3)];
+        let floors = made.each_ref().map(|s| noise_floor(s, &twin));
+        let [fit, check] = [0, 1].map(|i| Observed::new(i, &twin, &made[i], &floors[i]).unwrap());
+        let settings = Settings::default();
+        let [alone, other, both] =
+            [vec![&fit], vec![&check], vec![&fit, &check]].map(|parts| Data::new(parts, &settings));
+        let rotor = Candidate::new(find("rotor_inertia").unwrap(), Place::Joint(0));
+        let model = Model::of(&twin).with(Term::new(rotor, vec![]));
+        let judge = Judge { fit: &alone, check: &other, criteria: settings.criteria };
+        let gain = |tolerances: u8| {
+            let sizes = Sizes { tolerances, ..both.nothing() };
+            judge.gain(&Fit::new(&both, model.clone(), sizes), 0).shrink.fraction
+        };
+        let [known, within] = [0, STEPS].map(gain);
+        assert!(known > 0.1 && within > 0.9 * known, "{known} {within}");
     }
 
     #[test]

@@ -9,9 +9,8 @@ use super::Value;
 use super::candidate::{Candidate, Place};
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, Hypothesis};
-use super::revise::revised;
 use super::screen::screen;
-use super::search::{Found, grown};
+use super::search::{Found, grown, tell};
 use crate::effects::find;
 
 /// Multiples of what CAD is commonly wrong by: from that to links that are off several times.
@@ -42,10 +41,8 @@ pub fn with_links<'a>(all: &Hypotheses<'a>, found: &Found<'a>) -> Option<Found<'
     let group = best.candidate();
     let fit = settled(all, best.fit, group);
     let better = all.worth(&fit) - all.worth(&found.last) > all.criteria.least_nats;
-    let mut more =
-        (better && fit.model.has(group)).then(|| grown(all, found.start.clone(), fit))?;
-    more.rounds.splice(..0, found.rounds.iter().cloned());
-    more.screened.clone_from(&found.screened);
+    let more = better.then(|| grown(all, Found { last: fit, ..found.clone() }, 0))?;
+    tell(all, more.rounds.len(), 0);
     more.last.model.has(group).then_some(more)
 }
 
@@ -59,15 +56,17 @@ fn unladen<'a>(all: &Hypotheses<'a>, fit: &Fit<'a>) -> Option<Fit<'a>> {
 
 /// Drops, one after the other, the causes that stood in for `group`.
 fn settled<'a>(all: &Hypotheses<'a>, mut fit: Fit<'a>, group: Candidate) -> Fit<'a> {
-    loop {
-        let next = revised(all, fit.clone(), vec![group]);
-        let same = next.model.causes.len() == fit.model.causes.len()
-            && next.model.causes.iter().all(|t| fit.model.has(t.candidate));
-        fit = next;
-        if same {
-            return fit;
-        }
+    let fewer = |fit: &Fit<'a>| {
+        let others =
+            (0..fit.model.causes.len()).filter(|i| fit.model.causes[*i].candidate != group);
+        let without: Vec<Fit<'a>> = others.map(|i| all.without(fit, i)).collect();
+        let best = without.into_iter().max_by(|a, b| all.worth(a).total_cmp(&all.worth(b)))?;
+        (all.worth(fit) - all.worth(&best) < all.criteria.least_nats).then_some(best)
+    };
+    while let Some(without) = fewer(&fit) {
+        fit = without;
     }
+    fit
 }
 
 /// Are all links among the causes of a fit?

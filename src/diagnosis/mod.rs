@@ -47,6 +47,7 @@ mod revise;
 mod rounds;
 mod screen;
 mod search;
+mod searched;
 mod shrink;
 mod sizes;
 mod slopes;
@@ -83,8 +84,6 @@ pub use reasons::by_reason;
 pub use rounds::SEARCHING;
 pub use shrink::{BeforeAfter, torque_shrink};
 pub use traces::{Held, JointTraces, Traces};
-
-use std::cell::OnceCell;
 
 use crate::follow::{Interrupted, Watch, stoppable};
 use crate::signals::Samples;
@@ -233,24 +232,24 @@ fn once(
     let (fit, check) = (observed(0, "fit")?, observed(1, "check")?);
     let rounds = rounds::Rounds::new(watch, settings.criteria.most_causes);
     let [one, other_one] = [0, 1].map(|search| rounds.of(search));
-    let counted = |data| independent::counted(data, &model::Model::of(twin));
-    let both = counted(data::Data::new(vec![&fit, &check], settings).watched(&one));
-    let alone = counted(data::Data::new(vec![&fit], settings).watched(&other_one));
-    let other = counted(data::Data::new(vec![&check], settings).watched(watch));
-    let answered = OnceCell::new();
-    let search = |data, recordings: &[usize]| hypotheses::Hypotheses {
-        data,
-        candidates: candidate::candidates(twin, &settings.without, recordings),
-        criteria: settings.criteria,
+    let both = data::Data::new(vec![&fit, &check], settings).watched(&one);
+    let alone = data::Data::new(vec![&fit], settings).watched(&other_one);
+    let other = data::Data::new(vec![&check], settings).watched(watch);
+    let search = |data, recordings: &[usize]| {
+        let candidates = candidate::candidates(twin, &settings.without, recordings);
+        searched::Searched::new(data, candidates, settings.criteria)
     };
-    let judge = judge::Judge { fit: &alone, check: &other, criteria: settings.criteria };
     // What acts in one recording alone cannot be proved on another.
-    let both = search(&both, if proof.is_some() { &[] } else { &[0, 1] });
-    let alone = search(&alone, &[0]);
+    let here: &[usize] = if proof.is_some() { &[] } else { &[0, 1] };
+    let (both, alone) = rayon::join(|| search(&both, here), || search(&alone, &[0]));
+    let other = independent::counted(&other, &alone.model);
+    let judge = judge::Judge { fit: &alone.data, check: &other, criteria: settings.criteria };
     let floor = floors[1].clone();
-    let mut findings =
-        findings::Findings::new(&both, &alone, judge, [&fit, &check], floor, settings, proof)?;
-    findings.last = independent::recounted(&findings.last, &answered);
+    let [all, blind] = [&both, &alone].map(searched::Searched::hypotheses);
+    let both = (&all, both.found(&all));
+    let alone = (&blind, alone.found(&blind));
+    let recordings = [&fit, &check];
+    let findings = findings::Findings::new(both, alone, judge, recordings, floor, settings, proof)?;
     let mut answer = findings.answer();
     let mended = mend(twin, &answer.fitted, &answer.changes());
     touches::touched(&mended, samples, &mut answer.episodes)?;

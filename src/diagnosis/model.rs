@@ -49,6 +49,12 @@ impl Model {
         self.causes.iter().any(|t| t.candidate == candidate)
     }
 
+    /// Has it the same causes as another?
+    pub fn has_causes_of(&self, other: &Self) -> bool {
+        let theirs = |t: &Term| other.has(t.candidate);
+        self.causes.len() == other.causes.len() && self.causes.iter().all(theirs)
+    }
+
     pub fn terms(&self) -> impl Iterator<Item = &Term> {
         self.open.iter().chain(&self.causes)
     }

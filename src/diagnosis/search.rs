@@ -29,6 +29,7 @@ pub struct Weighed {
 }
 
 /// What a search finds.
+#[derive(Clone)]
 pub struct Found<'a> {
     /// The twin alone, beside its discrepancy.
     pub start: Fit<'a>,
@@ -39,20 +40,22 @@ pub struct Found<'a> {
     pub screened: Vec<(Candidate, f64)>,
 }
 
-/// Search from the twin alone to all causes the evidence supports.
-pub fn search<'a>(all: &Hypotheses<'a>) -> Found<'a> {
-    let joints: Vec<usize> = (0..all.data.joints()).collect();
-    let start = all.tuned(Fit::plain(all.data, Model::of(all.data.twin)), &joints);
-    grown(all, start.clone(), start)
+impl<'a> Found<'a> {
+    /// The twin alone.
+    pub fn none(all: &Hypotheses<'a>) -> Self {
+        let joints: Vec<usize> = (0..all.data.joints()).collect();
+        let start = all.tuned(Fit::plain(all.data, Model::of(all.data.twin)), &joints);
+        Self { last: start.clone(), start, rounds: Vec::new(), screened: Vec::new() }
+    }
 }
 
-/// Search from `last` to all further causes the evidence supports.
-pub fn grown<'a>(all: &Hypotheses<'a>, start: Fit<'a>, mut last: Fit<'a>) -> Found<'a> {
-    let (mut rounds, mut first) = (Vec::new(), Vec::new());
+/// Search from what is found to all further causes the evidence supports; so many rounds are told to come after it.
+pub fn grown<'a>(all: &Hypotheses<'a>, found: Found<'a>, after: usize) -> Found<'a> {
+    let Found { start, mut last, mut rounds, screened: mut first } = found;
     while last.model.causes.len() < all.criteria.most_causes {
         // Every round but the last adds a cause.
         let left = all.criteria.most_causes - last.model.causes.len();
-        tell(all, rounds.len(), left);
+        tell(all, rounds.len(), left + after);
         let open = all.open(&last.model);
         let screened = screen(&last, &open);
         if rounds.is_empty() {
@@ -65,19 +68,17 @@ pub fn grown<'a>(all: &Hypotheses<'a>, start: Fit<'a>, mut last: Fit<'a>) -> Fou
         let fresh = next.model.causes[last.model.causes.len()..].iter();
         let fresh = fresh.map(|t| t.candidate).collect();
         let revised = revised(all, next, fresh);
-        let same = revised.model.causes.len() == last.model.causes.len()
-            && revised.model.causes.iter().all(|t| last.model.has(t.candidate));
+        let same = revised.model.has_causes_of(&last.model);
         last = revised;
         if same {
             break;
         }
     }
-    tell(all, rounds.len(), 0);
     Found { start, last, rounds, screened: first }
 }
 
 /// Tells who follows how many rounds are done, and how many are left at most.
-fn tell(all: &Hypotheses<'_>, done: usize, left: usize) {
+pub fn tell(all: &Hypotheses<'_>, done: usize, left: usize) {
     all.data.watch.bound(SEARCHING, done as u64, (done + left) as u64);
 }
 

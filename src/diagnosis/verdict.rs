@@ -19,7 +19,7 @@ use super::model::Model;
 use super::observed::Observed;
 use super::proved::{SURE, proved};
 use super::ranking::{self, named};
-use super::search::{Found, Round, Weighed, search};
+use super::search::{Found, Round, Weighed};
 use super::sizes::Sizes;
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
@@ -33,20 +33,17 @@ use crate::effects::Role;
 const SCHEMA: &str = "armtwin.diagnosis/1";
 
 impl<'a> Findings<'a> {
-    /// `both` is the search of both recordings, `blind` that of the fit recording alone.
+    /// First what a search of both recordings finds, then what one of the fit recording alone does.
     pub fn new(
-        both: &'a Hypotheses<'a>,
-        blind: &'a Hypotheses<'a>,
+        (both, found): (&'a Hypotheses<'a>, Found<'a>),
+        (blind, alone): (&'a Hypotheses<'a>, Found<'a>),
         judge: Judge<'_>,
         [fit, check]: [&'a Observed<'a>; 2],
         floor: Vec<Floor>,
         settings: &'a Settings,
         proof: Option<&mut Proof<'_>>,
     ) -> Result<Self, DiagnosisError> {
-        let ((found, alone), lagging) = rayon::join(
-            || rayon::join(|| search(both), || search(blind)),
-            || kinematics::lagging(fit, check, settings),
-        );
+        let lagging = kinematics::lagging(fit, check, settings);
         let seen = |(alone, found): (Found<'a>, Found<'a>)| {
             let held = HeldOut::new(&alone.last, check);
             let called = called(both, &judge, &found, &Blind::new(blind, &alone));

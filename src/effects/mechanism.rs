@@ -48,6 +48,11 @@ impl Transmission {
         self.stiffness * x + self.hardening * x * x * x
     }
 
+    /// Does it carry K w + damping wd, and no more?
+    pub(super) fn is_linear(&self) -> bool {
+        self.gap == 0.0 && self.hardening == 0.0 && self.hysteresis == 0.0
+    }
+
     /// N.m.s/rad at a wind-up (rad): none while nothing touches.
     pub fn damping_at(&self, wind_up: f64) -> f64 {
         if self.touches(wind_up) { self.damping } else { 0.0 }

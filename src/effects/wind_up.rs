@@ -163,11 +163,29 @@ impl<'a> Giving<'a> {
 
     /// The way of a joint that alone gives way, as below but without anything between joints.
     fn follow(&mut self, load: &[f64], dt: f64, parts: f64) {
+        let Transmission { stiffness, damping, .. } = self.law;
+        match self.law.is_linear() {
+            // Every step waits for the one before: what a law of any kind asks for would take three times as long.
+            true => {
+                self.follow_by(load, dt, parts, |g, _, _| stiffness * g.w + damping * g.rate);
+            }
+            false => self.follow_by(load, dt, parts, Self::carried),
+        }
+    }
+
+    /// The same, where the transmission carries `carried`.
+    fn follow_by(
+        &mut self,
+        load: &[f64],
+        dt: f64,
+        parts: f64,
+        carried: impl Fn(&Self, f64, f64) -> f64,
+    ) {
         let h = dt / parts;
         let own = self.joint;
         for k in 0..load.len() {
             let slopes = &self.slopes.0;
-            let inertia = slopes[2].joint(own)[k].max(self.lightest(k, h));
+            let mobility = 1.0 / slopes[2].joint(own)[k].max(self.lightest(k, h));
             let (over_q, over_qd) = (slopes[0].joint(own)[k], slopes[1].joint(own)[k]);
             let damping = (self.ringing(k) - self.law.damping).max(0.0);
             let steady = between(load, k, 0.0, dt).1 / self.law.stiffness;
@@ -177,8 +195,8 @@ impl<'a> Giving<'a> {
                 let along = (part as f64 + 0.5) / parts - 0.5;
                 let tau = load[k] + along.abs() * if along < 0.0 { before } else { after };
                 let turned = over_q * self.w + over_qd * self.rate;
-                let torque = tau - self.carried(damping, steady) - turned;
-                self.advance(torque / inertia, h, &mut sums);
+                let torque = tau - carried(self, damping, steady) - turned;
+                self.advance(torque * mobility, h, &mut sums);
             }
             self.means.iter_mut().zip(sums).for_each(|(mean, sum)| mean.push(sum / parts));
         }

@@ -81,6 +81,13 @@ impl Raw {
         values
     }
 
+    /// self less `x` of each column, where self has rows.
+    pub fn less_sum(&self, x: &[f64], columns: &[Self]) -> Self {
+        let mut rows = (*self.rows).clone();
+        x.iter().zip(columns).for_each(|(x, column)| rows.add_scaled(-x, &column.rows));
+        Self::new(rows, self.features.clone())
+    }
+
     /// scale x (self - other), where self has rows.
     pub fn less(&self, other: &Self, scale: f64) -> Self {
         let joint = |(a, b): (&Vec<f64>, &Vec<f64>)| {
