@@ -242,7 +242,8 @@ fn once(
     // What acts in one recording alone cannot be proved on another.
     let here: &[usize] = if proof.is_some() { &[] } else { &[0, 1] };
     let (both, alone) = rayon::join(|| search(&both, here), || search(&alone, &[0]));
-    let other = independent::counted(&other, &alone.model);
+    // The noise is the arm's: a check recording is often too short to tell how much of it is independent.
+    let other = other.counted(alone.data.shares.clone());
     let judge = judge::Judge { fit: &alone.data, check: &other, criteria: settings.criteria };
     let floor = floors[1].clone();
     let [all, blind] = [&both, &alone].map(searched::Searched::hypotheses);
