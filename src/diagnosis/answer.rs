@@ -318,17 +318,14 @@ pub struct Unexplained {
     pub joints: Vec<UnexplainedJoint>,
 }
 
-fn one() -> f64 {
-    1.0
-}
-
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct UnexplainedJoint {
     /// From 1 at the base.
     pub joint: usize,
     /// N.m
     pub rms_nm: f64,
-    /// As that of all joints.
+    /// What of `rms_nm` would stay if links and scales of torque were as the mended twin has them, N.m; absent as that of
+    /// all joints is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beyond_tolerances_nm: Option<f64>,
     /// Root mean square of the noise alone, N.m.
@@ -366,4 +363,8 @@ pub struct Scored {
     pub at_bound: Option<String>,
     /// Values in the order of the effect's parameters.
     pub values: Vec<f64>,
+}
+
+fn one() -> f64 {
+    1.0
 }

@@ -5,6 +5,8 @@
 //! beside them: the evidence of the whole model decides. How far links are expected to be from the
 //! twin's is what the data say, one among a few spreads.
 
+use rayon::prelude::*;
+
 use super::Value;
 use super::candidate::{Candidate, Place};
 use super::fit::Fit;
@@ -59,8 +61,9 @@ fn settled<'a>(all: &Hypotheses<'a>, mut fit: Fit<'a>, group: Candidate) -> Fit<
     let fewer = |fit: &Fit<'a>| {
         let others =
             (0..fit.model.causes.len()).filter(|i| fit.model.causes[*i].candidate != group);
-        let without: Vec<Fit<'a>> = others.map(|i| all.without(fit, i)).collect();
-        let best = without.into_iter().max_by(|a, b| all.worth(a).total_cmp(&all.worth(b)))?;
+        let others: Vec<usize> = others.collect();
+        let without = others.into_par_iter().map(|i| all.without(fit, i));
+        let best = without.max_by(|a, b| all.worth(a).total_cmp(&all.worth(b)))?;
         (all.worth(fit) - all.worth(&best) < all.criteria.least_nats).then_some(best)
     };
     while let Some(without) = fewer(&fit) {
