@@ -1,8 +1,10 @@
 //! Parameters at the end of their range: what fits only there is no explanation.
 
+use super::candidate::Candidate;
 use super::fit::Fit;
 use super::trial::{Trial, evaluate};
-use crate::effects::{Parameter, Role};
+use crate::effects::{Mechanism, Parameter, Role};
+use crate::twin::Twin;
 
 /// A trial made a cause of the model it was tried on.
 pub struct Adopted<'f, 'a> {
@@ -66,6 +68,30 @@ fn shapes_the_effect(fit: &Fit<'_>, trial: &Trial, k: usize) -> bool {
     a != b
 }
 
+/// Is cause `i` what cannot be: a linear value beyond its range, none of them what makes the effect, or an arm that
+/// cannot exist?
+pub fn is_impossible(fit: &Fit<'_>, i: usize) -> bool {
+    let candidate = fit.model.causes[i].candidate;
+    let values = fit.values(i);
+    let linear = &values[..candidate.linear()];
+    let beyond = |(k, v): (usize, &f64)| {
+        let [min, max] = candidate.range(k, fit.data.twin);
+        let slack = 1e-6 * (max - min);
+        *v < min - slack || *v > max + slack
+    };
+    linear.iter().enumerate().any(beyond)
+        || !(linear.is_empty() || candidate.is_itself(linear))
+        || has_centre_out_of_reach(candidate, &values, fit.data.twin)
+}
+
+/// With these values of a load, does a link have its centre of mass farther off than the arm reaches?
+fn has_centre_out_of_reach(candidate: Candidate, values: &[f64], twin: &Twin) -> bool {
+    let mut mechanism = Mechanism::new(twin.laden());
+    candidate.build(values, &mut mechanism);
+    let reach = twin.robot.reach();
+    candidate.is_load() && mechanism.robot.bodies.iter().any(|b| b.inertia.com.norm() > reach)
+}
+
 /// The first parameter of the last cause that sits at a bound: the first of all where its linear
 /// ones do not make the effect that it is, a linear one at the end of its range, a nonlinear one at
 /// the end of its range unless a search starts there.
@@ -100,7 +126,7 @@ pub fn at_bound(fit: &Fit<'_>, trial: &Trial) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::candidate::{Candidate, Place};
+    use crate::diagnosis::candidate::Place;
     use crate::diagnosis::data::Data;
     use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::model::Model;
@@ -108,7 +134,6 @@ mod tests {
     use crate::diagnosis::screen::screen;
     use crate::effects::find;
     use crate::signals::testing::{noisy, samples};
-    use crate::twin::Twin;
 
     const JOINT: usize = 2;
     const LEVEL_NM: f64 = 6.0;
@@ -134,6 +159,18 @@ mod tests {
         let start = screen(&fit, &[candidate]).remove(0).trial;
         let there = Adopted::new(&fit, evaluate(&fit, &start, to.to_vec()));
         [there.at_bound, there.inside(6.0).at_bound]
+    }
+
+    /// The upper arm of a UR5 (8.4 kg) three kilograms lighter: its centre a hand's breadth aside, or six metres.
+    #[test]
+    fn no_link_has_its_centre_farther_off_than_the_arm_reaches() {
+        let twin = Twin::default();
+        let candidate = Candidate::new(find("link_inertia").unwrap(), Place::Joint(1));
+        let out_of_reach = |moment: f64| {
+            let values = [-3.0, moment, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+            has_centre_out_of_reach(candidate, &values, &twin)
+        };
+        assert!(!out_of_reach(0.5) && out_of_reach(-35.0));
     }
 
     /// Beside Coulomb friction, which is open, only level times excess shows.

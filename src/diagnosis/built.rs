@@ -8,6 +8,7 @@ use super::candidate::{Candidate, Term, sense, shown};
 use super::model::Model;
 use super::observed::{Observed, Series};
 use crate::effects::{Motion, Scope};
+use crate::kernels::axpy;
 use crate::regression::Blocks;
 use crate::series::JointSeries;
 
@@ -31,7 +32,7 @@ impl Built {
         let mut order: Vec<usize> = (0..terms.len()).collect();
         order.sort_by_key(|&i| terms[i].candidate.order());
         let mut known = observed.known.clone();
-        for i in order {
+        for (k, &i) in order.iter().enumerate() {
             let term = terms[i];
             let key = of_term(model, term);
             let series = || signature(observed, model, term, &known);
@@ -46,8 +47,8 @@ impl Built {
                 true => observed.kept.get(&key, || show(&built.series[i])),
                 false => Arc::new(show(&built.series[i])),
             };
-            for (column, value) in built.series[i].iter().zip(&term.linear) {
-                add(&mut known, *value, column);
+            if order[k + 1..].iter().any(|&later| follows(terms[later].candidate)) {
+                built.series[i].iter().zip(&term.linear).for_each(|(c, x)| add(&mut known, *x, c));
             }
         }
         let known = (0..observed.joints()).map(|j| {
@@ -146,7 +147,7 @@ pub fn of_term(model: &Model, term: &Term) -> String {
 
 fn add(sum: &mut JointSeries, factor: f64, column: &[Vec<f64>]) {
     for (joint, series) in column.iter().enumerate() {
-        sum.joint_mut(joint).iter_mut().zip(series).for_each(|(s, c)| *s += factor * c);
+        axpy(factor, series, sum.joint_mut(joint));
     }
 }
 

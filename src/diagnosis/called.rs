@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::blind::Blind;
+use super::bound::is_impossible;
 use super::candidate::Candidate;
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, Hypothesis, Standing};
@@ -110,19 +111,6 @@ fn tamed<'a>(fit: &Fit<'a>, standings: &[Standing<'a>]) -> Option<Fit<'a>> {
     };
     let wandered = (0..standings.len()).filter(|i| is_impossible(fit, *i));
     wandered.map(|i| standings[i].cause()).find(inside).map(|h| h.fit.clone())
-}
-
-/// Is a linear value of cause `i` beyond what it can be, or none of them what makes the effect?
-fn is_impossible(fit: &Fit<'_>, i: usize) -> bool {
-    let candidate = fit.model.causes[i].candidate;
-    let values = fit.values(i);
-    let linear = &values[..candidate.linear()];
-    let beyond = |(k, v): (usize, &f64)| {
-        let [min, max] = candidate.range(k, fit.data.twin);
-        let slack = 1e-6 * (max - min);
-        *v < min - slack || *v > max + slack
-    };
-    linear.iter().enumerate().any(beyond) || !(linear.is_empty() || candidate.is_itself(linear))
 }
 
 #[cfg(test)]

@@ -39,8 +39,8 @@ pub struct Fit<'a> {
     pub modelled: Arc<Vec<JointSeries>>,
     /// What the arm with its causes weighs, of each recording.
     rigid: Vec<Arc<Rigid>>,
-    /// Values of what the twin states within limits, in units of its tolerances, where they are not fitted.
-    stated: Option<Vec<f64>>,
+    /// Values of what the twin states within limits, in units of its tolerances, where they are held and not fitted.
+    held: Option<Vec<f64>>,
 }
 
 impl<'a> Fit<'a> {
@@ -48,24 +48,24 @@ impl<'a> Fit<'a> {
     /// of them, in two rounds. Again where one cause depends on the values of another, until they
     /// agree: columns that belong to other values predict another recording badly.
     pub fn new(data: &'a Data<'a>, model: Model, sizes: Sizes) -> Self {
-        Self::stated(data, model, sizes, None)
+        Self::settling(data, model, sizes, None)
     }
 
-    /// The same with what the twin states within limits at the values of another fit.
-    pub fn within_those_of(other: &Self, model: Model) -> Self {
-        let stated = Some(other.tolerances().to_vec());
-        Self::stated(other.data, model, other.sizes.clone(), stated)
+    /// Another model beside what this fit has of the discrepancy and of what the twin states within limits.
+    pub fn with_tolerances_held(&self, model: Model) -> Self {
+        let held = Some(self.tolerances().to_vec());
+        Self::settling(self.data, model, self.sizes.clone(), held)
     }
 
-    fn stated(data: &'a Data<'a>, model: Model, sizes: Sizes, stated: Option<Vec<f64>>) -> Self {
-        let mut fit = Self::once(data, model, sizes, stated);
+    fn settling(data: &'a Data<'a>, model: Model, sizes: Sizes, held: Option<Vec<f64>>) -> Self {
+        let mut fit = Self::once(data, model, sizes, held);
         for _ in 0..MOST_PASSES {
             let scaled = fit.sizes.tolerances > 0 && fit.model.carries();
             if !(scaled || fit.model.is_entangled()) {
                 break;
             }
             let before = fit.system.x.clone();
-            fit = Self::once(data, fit.model, fit.sizes, fit.stated);
+            fit = Self::once(data, fit.model, fit.sizes, fit.held);
             if fit.system.is_near(&before) {
                 break;
             }
@@ -78,15 +78,15 @@ impl<'a> Fit<'a> {
         Self::new(data, model, data.nothing())
     }
 
-    fn once(data: &'a Data<'a>, mut model: Model, sizes: Sizes, stated: Option<Vec<f64>>) -> Self {
+    fn once(data: &'a Data<'a>, mut model: Model, sizes: Sizes, held: Option<Vec<f64>>) -> Self {
         go_on(data.watch);
         let built: Vec<Built> = data.parts.par_iter().map(|p| Built::new(p, &model)).collect();
         let mut columns = columns(data, &model, &built);
         let within = data.within_tolerances(|p| built[p].carried(data.parts[p], &model));
         let mut y = recorded(data, &model, &built);
-        let tolerances = match &stated {
-            Some(stated) => {
-                y = y.less_sum(stated, &within);
+        let tolerances = match &held {
+            Some(values) => {
+                y = y.less_sum(values, &within);
                 0
             }
             None => {
@@ -102,7 +102,7 @@ impl<'a> Fit<'a> {
         model.carry(data.twin, &system.x);
         let squares = system.residual.squares();
         let rigid = data.parts.iter().map(|p| p.rigid(&model.laden)).collect();
-        Self { data, model, sizes, metric, system, squares, normal, modelled, rigid, stated }
+        Self { data, model, sizes, metric, system, squares, normal, modelled, rigid, held }
     }
 
     /// Is nothing left out at a joint?
@@ -246,8 +246,8 @@ impl<'a> Fit<'a> {
 
     /// Values of what the twin states within limits, in units of its tolerances; none where it is exact.
     fn tolerances(&self) -> &[f64] {
-        match &self.stated {
-            Some(stated) => stated,
+        match &self.held {
+            Some(values) => values,
             None => &self.system.x.as_slice()[self.terms()..],
         }
     }

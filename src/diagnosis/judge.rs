@@ -57,7 +57,7 @@ impl Judge<'_> {
         let left =
             |fit: &Fit<'_>| Column::new(&check.raw(vec![fit.held_within(check.parts[0])]), &metric);
         let with = Fit::new(self.fit, fit.model.clone(), fit.sizes.clone());
-        let without = Fit::within_those_of(&with, fit.model.without(i));
+        let without = with.with_tolerances_held(fit.model.without(i));
         let (before, after) = (left(&without), left(&with));
         let mut taken = before.clone();
         taken.add_scaled(-1.0, &after);
@@ -122,12 +122,14 @@ mod tests {
     const NOISE_NM: f64 = 0.5;
     const ROTOR_KG_M2: f64 = 1.0;
 
-    /// An arm whose twin lacks an offset at one joint.
-    fn recorded(speed: f64) -> Samples {
+    /// An arm whose twin lacks an offset at one joint, and a rotor of so much at the first, kg.m2.
+    fn recorded(speed: f64, rotor: f64) -> Samples {
         let twin = Twin::default();
         let mut made = samples(6, 4000, |j, t| 0.6 * ((speed + 0.1 * j as f64) * t).sin());
         made.torque = twin.torque(&twin.motion(&made));
         made.torque.joint_mut(JOINT).iter_mut().for_each(|t| *t += OFFSET_NM);
+        let accelerations = made.qdd.joint(0).iter();
+        made.torque.joint_mut(0).iter_mut().zip(accelerations).for_each(|(t, a)| *t += rotor * a);
         noisy(&mut made, NOISE_NM);
         made
     }
@@ -138,17 +140,22 @@ mod tests {
     }
 
     fn gain_of(offset: Candidate) -> Gain {
+        gain_within(0, offset, 0.0)
+    }
+
+    /// What `cause` gains beside tolerances of this size, where the arm has a rotor of so much, kg.m2.
+    fn gain_within(tolerances: u8, cause: Candidate, rotor: f64) -> Gain {
         let twin = Twin::default();
-        let (first, second) = (recorded(0.9), recorded(1.3));
-        let floors = [&first, &second].map(|s| noise_floor(s, &twin));
-        let fit = Observed::new(0, &twin, &first, &floors[0]).unwrap();
-        let check = Observed::new(1, &twin, &second, &floors[1]).unwrap();
+        let made = [0.9, 1.3].map(|speed| recorded(speed, rotor));
+        let floors = made.each_ref().map(|s| noise_floor(s, &twin));
+        let [fit, check] = [0, 1].map(|i| Observed::new(i, &twin, &made[i], &floors[i]).unwrap());
         let settings = Settings::default();
         let [alone, other, both] =
             [vec![&fit], vec![&check], vec![&fit, &check]].map(|parts| Data::new(parts, &settings));
-        let model = Model::of(&twin).with(Term::new(offset, vec![]));
+        let model = Model::of(&twin).with(Term::new(cause, vec![]));
+        let sizes = Sizes { tolerances, ..both.nothing() };
         let criteria = settings.criteria;
-        Judge { fit: &alone, check: &other, criteria }.gain(&Fit::plain(&both, model), 0)
+        Judge { fit: &alone, check: &other, criteria }.gain(&Fit::new(&both, model, sizes), 0)
     }
 
     #[test]
@@ -166,26 +173,8 @@ mod tests {
     /// The scale of the torque of a joint that carries nothing could stand for its rotor, were it not known.
     #[test]
     fn what_the_twin_states_within_limits_stands_for_no_cause() {
-        let twin = Twin::default();
-        let run = |speed: f64| {
-            let mut made = recorded(speed);
-            let rotor = made.qdd.joint(0).iter().map(|a| ROTOR_KG_M2 * a).collect::<Vec<f64>>();
-            made.torque.joint_mut(0).iter_mut().zip(rotor).for_each(|(t, r)| *t += r);
-            made
-        };
-        let made = [run(0.9), run(1.3)];
-        let floors = made.each_ref().map(|s| noise_floor(s, &twin));
-        let [fit, check] = [0, 1].map(|i| Observed::new(i, &twin, &made[i], &floors[i]).unwrap());
-        let settings = Settings::default();
-        let [alone, other, both] =
-            [vec![&fit], vec![&check], vec![&fit, &check]].map(|parts| Data::new(parts, &settings));
         let rotor = Candidate::new(find("rotor_inertia").unwrap(), Place::Joint(0));
-        let model = Model::of(&twin).with(Term::new(rotor, vec![]));
-        let judge = Judge { fit: &alone, check: &other, criteria: settings.criteria };
-        let gain = |tolerances: u8| {
-            let sizes = Sizes { tolerances, ..both.nothing() };
-            judge.gain(&Fit::new(&both, model.clone(), sizes), 0).shrink.fraction
-        };
+        let gain = |tolerances| gain_within(tolerances, rotor, ROTOR_KG_M2).shrink.fraction;
         let [known, within] = [0, STEPS].map(gain);
         assert!(known > 0.1 && within > 0.9 * known, "{known} {within}");
     }

@@ -8,6 +8,7 @@
 use rayon::prelude::*;
 
 use super::Value;
+use super::bound::is_impossible;
 use super::candidate::{Candidate, Place};
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, Hypothesis};
@@ -43,7 +44,9 @@ pub fn with_links<'a>(all: &Hypotheses<'a>, found: &Found<'a>) -> Option<Found<'
     let group = best.candidate();
     let fit = settled(all, best.fit, group);
     let better = all.worth(&fit) - all.worth(&found.last) > all.criteria.least_nats;
-    let more = better.then(|| grown(all, Found { last: fit, ..found.clone() }, 0))?;
+    let i = fit.model.causes.iter().position(|t| t.candidate == group)?;
+    let stand = better && !is_impossible(&fit, i);
+    let more = stand.then(|| grown(all, Found { last: fit, ..found.clone() }, 0))?;
     tell(all, more.rounds.len(), 0);
     more.last.model.has(group).then_some(more)
 }

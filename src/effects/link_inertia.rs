@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::rigid::of_change;
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked};
 use crate::robot::{Inertia, Robot};
 use crate::series::JointSeries;
@@ -52,7 +53,7 @@ impl Effect for LinkInertia {
         let body = motion.regressor(from);
         let inertia = &motion.robot.bodies[from].inertia;
         let new = changed(inertia, reference).unwrap_or(*inertia);
-        (0..4).map(|i| weighted_sum(&body, &per_unit(inertia.com, new.com, i), from)).collect()
+        (0..4).map(|i| of_change(&body, &per_unit(inertia.com, new.com, i), from)).collect()
     }
 
     fn expected(&self, robot: &Robot, joint: usize, _: &[f64]) -> Vec<f64> {
@@ -110,15 +111,4 @@ fn per_unit(c: Vector3<f64>, new: Vector3<f64>, i: usize) -> [f64; 10] {
     let second = 0.5 * (twice + twice.transpose());
     let o = Matrix3::identity() * second.trace() - second;
     [dm, dh.x, dh.y, dh.z, o.m11, o.m12, o.m22, o.m13, o.m23, o.m33]
-}
-
-/// At the joints that carry `link`; no other feels it.
-fn weighted_sum(columns: &[JointSeries; 10], weights: &[f64; 10], link: usize) -> JointSeries {
-    let mut sum = JointSeries::zeros(columns[0].joints(), columns[0].samples());
-    for j in 0..=link {
-        for (column, weight) in columns.iter().zip(weights).filter(|(_, w)| **w != 0.0) {
-            sum.joint_mut(j).iter_mut().zip(column.joint(j)).for_each(|(s, c)| *s += weight * c);
-        }
-    }
-    sum
 }

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
+use super::rigid::of_change;
 use super::{
     About, Effect, Mechanism, Motion, Parameter, Ratio, Role, RoundTrip, Scope, Worked, starts,
 };
@@ -101,7 +102,7 @@ impl Effect for Payload {
         let robot = motion.robot;
         let Some(last) = robot.dof().checked_sub(1) else { return vec![] };
         let body = motion.regressor(last);
-        let combine = |p: [f64; 10]| weighted_sum(&body, &p);
+        let combine = |p: [f64; 10]| of_change(&body, &p, last);
         let reference = Vector3::from_column_slice(&reference[..3]);
         let point = flange_parameters(&robot.flange, reference);
         point.into_iter().chain(rotational(&robot.flange)).map(combine).collect()
@@ -212,16 +213,6 @@ fn rotational(flange: &Placement) -> [[f64; 10]; 6] {
 fn parameters(mass: f64, h: Vector3<f64>, s: Matrix3<f64>) -> [f64; 10] {
     let i = Matrix3::identity() * s.trace() - s;
     [mass, h.x, h.y, h.z, i.m11, i.m12, i.m22, i.m13, i.m23, i.m33]
-}
-
-fn weighted_sum(columns: &[JointSeries; 10], weights: &[f64; 10]) -> JointSeries {
-    columns[0].map_joints(|joint, first| {
-        let mut sum = vec![0.0; first.len()];
-        for (column, &weight) in columns.iter().zip(weights).filter(|(_, w)| **w != 0.0) {
-            sum.iter_mut().zip(column.joint(joint)).for_each(|(s, c)| *s += weight * c);
-        }
-        sum
-    })
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::flange::Flange;
+use crate::kernels::axpy;
 use crate::robot::{Robot, body_regressor_series, inverse_dynamics_series};
 use crate::series::JointSeries;
 
@@ -24,6 +25,8 @@ pub struct Rigid {
 /// What does not depend on what the links weigh.
 #[derive(Debug)]
 struct Unweighed {
+    /// The robot that was asked about first, and its torque.
+    first: OnceLock<(Robot, JointSeries)>,
     /// Regressors of every link.
     regressors: Vec<OnceLock<Regressor>>,
     flange: OnceLock<Flange>,
@@ -32,6 +35,21 @@ struct Unweighed {
 /// Torque of every joint per unit of a link's ten inertial parameters.
 pub type Regressor = [JointSeries; 10];
 
+/// Torque that a change of these ten parameters of `link` asks for, N.m: the joints that carry it feel it, no other.
+pub(super) fn of_change(per_unit: &Regressor, change: &[f64; 10], link: usize) -> JointSeries {
+    let mut torque = JointSeries::zeros(per_unit[0].joints(), per_unit[0].samples());
+    add_change(&mut torque, per_unit, change, link);
+    torque
+}
+
+fn add_change(torque: &mut JointSeries, per_unit: &Regressor, change: &[f64; 10], link: usize) {
+    for j in 0..=link {
+        for (column, change) in per_unit.iter().zip(change).filter(|(_, c)| **c != 0.0) {
+            axpy(*change, column.joint(j), torque.joint_mut(j));
+        }
+    }
+}
+
 /// d tau / d (q, qd, qdd) of one joint: N.m at every joint per rad, rad/s and rad/s2.
 #[derive(Debug, Clone)]
 pub struct Slopes(pub [JointSeries; 3]);
@@ -39,7 +57,8 @@ pub struct Slopes(pub [JointSeries; 3]);
 impl Rigid {
     pub fn new(joints: usize) -> Self {
         let regressors = (0..joints).map(|_| OnceLock::new()).collect();
-        Self::beside(Arc::new(Unweighed { regressors, flange: OnceLock::new() }))
+        let (first, flange) = Default::default();
+        Self::beside(Arc::new(Unweighed { first, regressors, flange }))
     }
 
     /// Values for a robot that differs in what its links weigh alone, along the same motion.
@@ -58,7 +77,7 @@ impl Rigid {
         motion: [&JointSeries; 3],
         link: usize,
     ) -> &Regressor {
-        kept(&self.unweighed.regressors[link], || regressor(robot, motion, link))
+        self.unweighed.regressor(robot, motion, link)
     }
 
     pub(super) fn flange(&self, robot: &Robot, q: &JointSeries) -> &Flange {
@@ -66,11 +85,30 @@ impl Rigid {
     }
 
     pub(super) fn torque(&self, robot: &Robot, motion: [&JointSeries; 3]) -> &JointSeries {
-        kept(&self.torque, || torque(robot, motion))
+        kept(&self.torque, || self.unweighed.torque(robot, motion))
     }
 
     pub(super) fn slopes(&self, robot: &Robot, motion: [&JointSeries; 3], joint: usize) -> &Slopes {
         kept(&self.slopes[joint], || Slopes::new(robot, motion, joint))
+    }
+}
+
+impl Unweighed {
+    fn regressor(&self, robot: &Robot, motion: [&JointSeries; 3], link: usize) -> &Regressor {
+        kept(&self.regressors[link], || regressor(robot, motion, link))
+    }
+
+    /// Torque is linear in what links weigh: that of the first robot, and what links of other weight ask for.
+    fn torque(&self, robot: &Robot, motion: [&JointSeries; 3]) -> JointSeries {
+        let (first, known) = kept(&self.first, || (robot.clone(), torque(robot, motion)));
+        let mut sum = known.clone();
+        let links = first.bodies.iter().zip(&robot.bodies).map(|(a, b)| (a.inertia, b.inertia));
+        for (link, (was, is)) in links.enumerate().filter(|(_, (was, is))| was != is) {
+            let (was, is) = (was.parameters(), is.parameters());
+            let change = std::array::from_fn(|i| is[i] - was[i]);
+            add_change(&mut sum, self.regressor(robot, motion, link), &change, link);
+        }
+        sum
     }
 }
 
@@ -115,6 +153,8 @@ impl Slopes {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Matrix3;
+
     use super::*;
     use crate::robot::{Workspace, builtin, mass_matrix};
 
@@ -139,6 +179,25 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn torque_of_other_loads_is_that_of_the_first_and_what_they_ask_for() {
+        let robot = builtin("ur5").unwrap();
+        let series = |s: f64| {
+            let joint = |j: usize| (0..9).map(|k| (s * (k * 5 + j * 2 + 1) as f64).sin()).collect();
+            JointSeries::from_joints(&(0..6).map(joint).collect::<Vec<Vec<f64>>>())
+        };
+        let (q, qd, qdd) = (series(0.7), series(1.9), series(2.3));
+        let motion = [&q, &qd, &qdd];
+        let mut other = robot.with_payload(2.5, [0.1, -0.2, 0.3].into(), Matrix3::identity());
+        other.bodies[1].inertia.mass += 0.5;
+        let kept = Rigid::new(6);
+        kept.torque(&robot, motion);
+        let kept = kept.of_other_load();
+        let (found, plain) = (kept.torque(&other, motion), torque(&other, motion));
+        let differ = |j: usize| found.joint(j).iter().zip(plain.joint(j)).map(|(a, b)| a - b);
+        assert!((0..6).flat_map(differ).all(|d| d.abs() < 1e-10));
     }
 
     #[test]

@@ -165,7 +165,7 @@ impl<'a> Giving<'a> {
     fn follow(&mut self, load: &[f64], dt: f64, parts: f64) {
         let Transmission { stiffness, damping, .. } = self.law;
         match self.law.is_linear() {
-            // Every step waits for the one before: what a law of any kind asks for would take three times as long.
+            // Every step waits for the one before: nothing is asked that a spring does not need.
             true => {
                 self.follow_by(load, dt, parts, |g, _, _| stiffness * g.w + damping * g.rate);
             }
@@ -173,7 +173,8 @@ impl<'a> Giving<'a> {
         }
     }
 
-    /// The same, where the transmission carries `carried`.
+    /// The same, where the transmission carries `carried` (N.m) of its state, the damping of blows (N.m.s/rad) and the rate
+    /// of a steady wind-up (rad/s).
     fn follow_by(
         &mut self,
         load: &[f64],
