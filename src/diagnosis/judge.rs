@@ -40,9 +40,9 @@ impl Gain {
         candidate.recording.is_none() && self.acts && self.where_exact < criteria.least_gain
     }
 
-    /// Is it a law of the arm, of which the check recording has nothing to say? Not what happens once.
+    /// Has one recording alone something to say of it: what happens once, or a law whose joint moves in no other?
     pub fn is_untried(&self, candidate: Candidate) -> bool {
-        candidate.recording.is_none() && !self.acts && !candidate.effect.lasts_a_while()
+        candidate.recording.is_some() || !self.acts
     }
 
     pub fn largest(&self) -> f64 {

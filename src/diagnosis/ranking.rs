@@ -21,8 +21,8 @@ fn agrees_again(agreed: f64, of: f64) -> f64 {
     (agreed + 0.5) / (of + 1.0)
 }
 
-/// What a probability is worth: a law that is not exact was chosen by one recording and confirmed by another, one that
-/// does not act in the check recording was seen once.
+/// What a probability is worth: a law that is not exact was chosen by one recording and confirmed by another, what acts
+/// in one of them alone was seen once.
 pub fn replicated(probability: f64, candidate: Candidate, gain: &Gain, criteria: &Criteria) -> f64 {
     if gain.needs_replication(candidate, criteria) {
         agrees_again(2.0, 2.0) * probability
@@ -165,7 +165,9 @@ pub fn with_sensor(sensor: &[Cause], mut ranking: Vec<Ranked>) -> Vec<Ranked> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::{Diagnosis, Settings, diagnose};
+    use crate::diagnosis::candidate::Place;
+    use crate::diagnosis::{Checked, Diagnosis, Settings, diagnose};
+    use crate::effects::find;
     use crate::signals::testing::{noisy, samples};
     use crate::twin::Twin;
 
@@ -188,6 +190,22 @@ mod tests {
     }
 
     const JOINT: usize = 1;
+
+    /// A push that the fit recording alone has, a law where nothing but noise is left, and one where more is.
+    #[test]
+    fn what_was_seen_once_is_less_sure_than_what_was_seen_twice() {
+        let criteria = Criteria::default();
+        let of = |name: &str, recording: Option<usize>, acts: bool, where_exact: f64| {
+            let candidate = Candidate::new(find(name).unwrap(), Place::Arm);
+            let shrink = Checked::default();
+            let gain = Gain { shrink, where_exact, where_inexact: 0.0, acts };
+            replicated(1.0, Candidate { recording, ..candidate }, &gain, &criteria)
+        };
+        assert_eq!(of("external_contact", Some(0), false, 0.0), 0.75);
+        assert_eq!(of("load_friction", None, false, 0.0), 0.75);
+        assert_eq!(of("load_friction", None, true, 0.5), 1.0);
+        assert!((of("load_friction", None, true, 0.0) - 2.5 / 3.0).abs() < 1e-12);
+    }
 
     fn names(found: &Diagnosis) -> Vec<&str> {
         let [cause] = &found.causes[..] else { panic!("{:?}", found.causes) };

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::super::truth::place;
 use super::{Answer, Kind, Printed, Truth};
-use crate::diagnosis::{Cause, Diagnosis, Named, Verdict};
+use crate::diagnosis::{Cause, Diagnosis, Named, Ranked, Verdict};
 use crate::effects;
 use crate::trials::Method;
 
@@ -44,7 +44,9 @@ pub struct Judged {
     /// A cause is named for more likely than unknown, and the first is neither a hidden effect nor
     /// called equivalent to one.
     pub wrong: bool,
-    /// Probability printed beside the answer, and whether the answer was right.
+    /// The first cause, or the likeliest of the ranking, "none" and "unknown" among them.
+    pub likeliest: Option<Named>,
+    /// The probability printed beside that, and whether the answer was right.
     pub probability: f64,
     pub right: bool,
     pub parameters: Vec<JudgedParameter>,
@@ -136,6 +138,7 @@ pub fn judge(truth: &Truth, answer: &Answer) -> Judged {
         abstained: false,
         silent: false,
         wrong: false,
+        likeliest: None,
         probability: 0.0,
         right: false,
         parameters: Vec::new(),
@@ -208,10 +211,12 @@ fn hold(judged: &mut Judged, truth: &Truth, diagnosis: &Diagnosis, dof: usize) {
         // Nobody knows; and what holds for foreign ones follows from the pair untouched.
         Kind::Untouched | Kind::GraftedForeign => false,
     };
-    judged.probability = match (diagnosis.causes.first(), top) {
-        (Some(cause), _) => cause.probability,
-        (None, Some(top)) => top.probability,
-        (None, None) => 0.0,
+    (judged.likeliest, judged.probability) = match (diagnosis.causes.first(), top) {
+        (Some(first), _) => (Some(cause(first)), first.probability),
+        (None, Some(Ranked { effect, joints, probability, .. })) => {
+            (Some(Named { effect: effect.clone(), joints: joints.clone() }), *probability)
+        }
+        (None, None) => (None, 0.0),
     };
     judged.printed = printed(diagnosis, &sets, &judged.truth, truth.kind);
     judged.predicted = Some(diagnosis.shrink.torque.fraction);

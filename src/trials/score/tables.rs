@@ -261,13 +261,13 @@ pub fn missed(all: &[Judged]) -> String {
                 number(Some(j.strength)),
                 j.verdict.map_or("failed".into(), |v| format!("{v:?}")),
                 list(&j.causes),
-                j.first.as_ref().map_or(String::new(), said),
+                j.likeliest.as_ref().map_or(String::new(), said),
                 number(Some(j.probability)),
             ]
         })
         .collect();
     let header =
-        ["case", "kind", "hidden", "strength", "verdict", "causes", "first", "probability"];
+        ["case", "kind", "hidden", "strength", "verdict", "causes", "likeliest", "probability"];
     markdown_table(&header, 3, &rows)
 }
 

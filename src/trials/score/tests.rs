@@ -169,6 +169,7 @@ fn no_gap_is_right_for_clean_and_silent_elsewhere() {
     assert!(judge(&truth(Kind::Clean, &[]), &told).right);
     let missed = judge(&truth(Kind::Foreign, &[named("hum", &[1])]), &told);
     assert!(missed.silent && !missed.abstained && !missed.right);
+    assert_eq!(missed.likeliest.unwrap().effect, "none");
 }
 
 #[test]
