@@ -81,7 +81,7 @@ pub fn is_impossible(fit: &Fit<'_>, i: usize) -> bool {
     };
     linear.iter().enumerate().any(beyond)
         || !(linear.is_empty() || candidate.is_itself(linear))
-        || has_centre_out_of_reach(candidate, &values, fit.data.twin)
+        || (candidate.is_load() && has_centre_out_of_reach(candidate, &values, fit.data.twin))
 }
 
 /// With these values of a load, does a link have its centre of mass farther off than the arm reaches?
@@ -89,7 +89,7 @@ fn has_centre_out_of_reach(candidate: Candidate, values: &[f64], twin: &Twin) ->
     let mut mechanism = Mechanism::new(twin.laden());
     candidate.build(values, &mut mechanism);
     let reach = twin.robot.reach();
-    candidate.is_load() && mechanism.robot.bodies.iter().any(|b| b.inertia.com.norm() > reach)
+    mechanism.robot.bodies.iter().any(|b| b.inertia.com.norm() > reach)
 }
 
 /// The first parameter of the last cause that sits at a bound: the first of all where its linear

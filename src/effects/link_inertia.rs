@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::rigid::of_change;
+use super::rigid::torque_of_change;
 use super::{About, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked};
 use crate::robot::{Inertia, Robot};
 use crate::series::JointSeries;
@@ -53,7 +53,7 @@ impl Effect for LinkInertia {
         let body = motion.regressor(from);
         let inertia = &motion.robot.bodies[from].inertia;
         let new = changed(inertia, reference).unwrap_or(*inertia);
-        (0..4).map(|i| of_change(&body, &per_unit(inertia.com, new.com, i), from)).collect()
+        (0..4).map(|i| torque_of_change(&body, &per_unit(inertia.com, new.com, i), from)).collect()
     }
 
     fn expected(&self, robot: &Robot, joint: usize, _: &[f64]) -> Vec<f64> {

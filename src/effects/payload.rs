@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use super::rigid::of_change;
+use super::rigid::torque_of_change;
 use super::{
     About, Effect, Mechanism, Motion, Parameter, Ratio, Role, RoundTrip, Scope, Worked, starts,
 };
@@ -102,7 +102,7 @@ impl Effect for Payload {
         let robot = motion.robot;
         let Some(last) = robot.dof().checked_sub(1) else { return vec![] };
         let body = motion.regressor(last);
-        let combine = |p: [f64; 10]| of_change(&body, &p, last);
+        let combine = |p: [f64; 10]| torque_of_change(&body, &p, last);
         let reference = Vector3::from_column_slice(&reference[..3]);
         let point = flange_parameters(&robot.flange, reference);
         point.into_iter().chain(rotational(&robot.flange)).map(combine).collect()

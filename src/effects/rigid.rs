@@ -19,12 +19,12 @@ const STEP_RAD_S2: f64 = 1.0;
 pub struct Rigid {
     torque: OnceLock<JointSeries>,
     slopes: Vec<OnceLock<Slopes>>,
-    unweighed: Arc<Unweighed>,
+    shared: Arc<Shared>,
 }
 
-/// What does not depend on what the links weigh.
+/// What robots share that differ in what their links weigh alone.
 #[derive(Debug)]
-struct Unweighed {
+struct Shared {
     /// The robot that was asked about first, and its torque.
     first: OnceLock<(Robot, JointSeries)>,
     /// Regressors of every link.
@@ -32,17 +32,28 @@ struct Unweighed {
     flange: OnceLock<Flange>,
 }
 
-/// Torque of every joint per unit of a link's ten inertial parameters.
+/// Torque of every joint per unit of a link's ten inertial parameters ([`crate::robot::Inertia::parameters`]): N.m per kg,
+/// kg.m and kg.m2 (Atkeson, An, Hollerbach, Int. J. Robotics Research 5(3), 1986).
 pub type Regressor = [JointSeries; 10];
 
-/// Torque that a change of these ten parameters of `link` asks for, N.m: the joints that carry it feel it, no other.
-pub(super) fn of_change(per_unit: &Regressor, change: &[f64; 10], link: usize) -> JointSeries {
+/// Torque that a change of the ten parameters of `link` (kg, kg.m, kg.m2) asks for, N.m: the joints that carry it feel it,
+/// no other.
+pub(super) fn torque_of_change(
+    per_unit: &Regressor,
+    change: &[f64; 10],
+    link: usize,
+) -> JointSeries {
     let mut torque = JointSeries::zeros(per_unit[0].joints(), per_unit[0].samples());
-    add_change(&mut torque, per_unit, change, link);
+    add_torque_of_change(&mut torque, per_unit, change, link);
     torque
 }
 
-fn add_change(torque: &mut JointSeries, per_unit: &Regressor, change: &[f64; 10], link: usize) {
+fn add_torque_of_change(
+    torque: &mut JointSeries,
+    per_unit: &Regressor,
+    change: &[f64; 10],
+    link: usize,
+) {
     for j in 0..=link {
         for (column, change) in per_unit.iter().zip(change).filter(|(_, c)| **c != 0.0) {
             axpy(*change, column.joint(j), torque.joint_mut(j));
@@ -58,17 +69,17 @@ impl Rigid {
     pub fn new(joints: usize) -> Self {
         let regressors = (0..joints).map(|_| OnceLock::new()).collect();
         let (first, flange) = Default::default();
-        Self::beside(Arc::new(Unweighed { first, regressors, flange }))
+        Self::beside(Arc::new(Shared { first, regressors, flange }))
     }
 
     /// Values for a robot that differs in what its links weigh alone, along the same motion.
     pub fn of_other_load(&self) -> Self {
-        Self::beside(self.unweighed.clone())
+        Self::beside(self.shared.clone())
     }
 
-    fn beside(unweighed: Arc<Unweighed>) -> Self {
-        let slopes = unweighed.regressors.iter().map(|_| OnceLock::new()).collect();
-        Self { torque: OnceLock::new(), slopes, unweighed }
+    fn beside(shared: Arc<Shared>) -> Self {
+        let slopes = shared.regressors.iter().map(|_| OnceLock::new()).collect();
+        Self { torque: OnceLock::new(), slopes, shared }
     }
 
     pub(super) fn regressor(
@@ -77,15 +88,15 @@ impl Rigid {
         motion: [&JointSeries; 3],
         link: usize,
     ) -> &Regressor {
-        self.unweighed.regressor(robot, motion, link)
+        self.shared.regressor(robot, motion, link)
     }
 
     pub(super) fn flange(&self, robot: &Robot, q: &JointSeries) -> &Flange {
-        kept(&self.unweighed.flange, || Flange::along(robot, q))
+        kept(&self.shared.flange, || Flange::along(robot, q))
     }
 
     pub(super) fn torque(&self, robot: &Robot, motion: [&JointSeries; 3]) -> &JointSeries {
-        kept(&self.torque, || self.unweighed.torque(robot, motion))
+        kept(&self.torque, || self.shared.torque(robot, motion))
     }
 
     pub(super) fn slopes(&self, robot: &Robot, motion: [&JointSeries; 3], joint: usize) -> &Slopes {
@@ -93,7 +104,7 @@ impl Rigid {
     }
 }
 
-impl Unweighed {
+impl Shared {
     fn regressor(&self, robot: &Robot, motion: [&JointSeries; 3], link: usize) -> &Regressor {
         kept(&self.regressors[link], || regressor(robot, motion, link))
     }
@@ -106,7 +117,7 @@ impl Unweighed {
         for (link, (was, is)) in links.enumerate().filter(|(_, (was, is))| was != is) {
             let (was, is) = (was.parameters(), is.parameters());
             let change = std::array::from_fn(|i| is[i] - was[i]);
-            add_change(&mut sum, self.regressor(robot, motion, link), &change, link);
+            add_torque_of_change(&mut sum, self.regressor(robot, motion, link), &change, link);
         }
         sum
     }
@@ -158,16 +169,20 @@ mod tests {
     use super::*;
     use crate::robot::{Workspace, builtin, mass_matrix};
 
+    /// Five samples of six joints' angles, speeds and accelerations.
+    fn motion() -> [JointSeries; 3] {
+        [0.7, 1.9, 2.3].map(|s| {
+            let joint = |j: usize| (0..5).map(|k| (s * (k * 5 + j * 2 + 1) as f64).sin()).collect();
+            JointSeries::from_joints(&(0..6).map(joint).collect::<Vec<Vec<f64>>>())
+        })
+    }
+
     /// How torque grows with a joint's acceleration is a column of the mass matrix, worked out by
     /// the composite-rigid-body algorithm.
     #[test]
     fn a_slope_over_acceleration_is_a_column_of_the_mass_matrix() {
         let robot = builtin("ur5").unwrap();
-        let series = |s: f64| {
-            let joint = |j: usize| (0..5).map(|k| (s * (k * 5 + j * 2 + 1) as f64).sin()).collect();
-            JointSeries::from_joints(&(0..6).map(joint).collect::<Vec<Vec<f64>>>())
-        };
-        let (q, qd, qdd) = (series(0.7), series(1.9), series(2.3));
+        let [q, qd, qdd] = motion();
         let mut workspace = Workspace::new(&robot);
         for joint in 0..6 {
             let Slopes([_, _, slope]) = Slopes::new(&robot, [&q, &qd, &qdd], joint);
@@ -184,11 +199,7 @@ mod tests {
     #[test]
     fn torque_of_other_loads_is_that_of_the_first_and_what_they_ask_for() {
         let robot = builtin("ur5").unwrap();
-        let series = |s: f64| {
-            let joint = |j: usize| (0..9).map(|k| (s * (k * 5 + j * 2 + 1) as f64).sin()).collect();
-            JointSeries::from_joints(&(0..6).map(joint).collect::<Vec<Vec<f64>>>())
-        };
-        let (q, qd, qdd) = (series(0.7), series(1.9), series(2.3));
+        let [q, qd, qdd] = motion();
         let motion = [&q, &qd, &qdd];
         let mut other = robot.with_payload(2.5, [0.1, -0.2, 0.3].into(), Matrix3::identity());
         other.bodies[1].inertia.mass += 0.5;
