@@ -1,6 +1,6 @@
 //! The columns of a model along one recording, in the order of the catalogue.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::DVector;
 
@@ -58,25 +58,17 @@ impl Built {
         built
     }
 
-    /// Torque of the rigid arm with what its causes weigh, as last fitted, over all samples, N.m.
-    pub fn carried(&self, observed: &Observed<'_>, model: &Model) -> JointSeries {
-        let laden = observed.twin.laden();
-        let rigid = observed.rigid(&laden);
-        let motion = Motion { rigid: Some(&rigid), ..observed.motion(&laden) };
-        let mut sum = motion.rigid_torque().into_owned();
-        for (series, term) in self.series.iter().zip(model.terms()) {
-            if term.candidate.is_load() {
-                series.iter().zip(&term.linear).for_each(|(c, value)| add(&mut sum, *value, c));
+    /// Torque of the rigid arm with what its causes weigh, as last fitted, at the rows, before sensors, N.m.
+    pub fn carried(&self, observed: &Observed<'_>, model: &Model) -> Blocks {
+        let mut sum = observed.rigid_rows().clone();
+        let each = model.terms().zip(&self.series).zip(&self.columns);
+        for ((term, series), columns) in each.filter(|((t, _), _)| t.candidate.is_load()) {
+            for (i, value) in term.linear.iter().enumerate() {
+                match has_sensor(model) {
+                    true => sum.gather(*value, &shown(observed, &[], &series[i])),
+                    false => sum.gather(*value, &columns[i]),
+                }
             }
-        }
-        sum
-    }
-
-    /// What the model gives at the values `x`, over all samples, N.m.
-    pub fn modelled(&self, observed: &Observed<'_>, x: &DVector<f64>) -> JointSeries {
-        let mut sum = observed.known.clone();
-        for (column, x) in self.series.iter().flat_map(|s| s.iter()).zip(x.iter()) {
-            add(&mut sum, *x, column);
         }
         sum
     }
@@ -88,6 +80,31 @@ impl Built {
             residual.add_scaled(-x, column);
         }
         residual
+    }
+}
+
+/// What a model gives at certain values, recording by recording: few ask for it, so it is worked out when one does.
+pub struct Modelled {
+    columns: Vec<Vec<Arc<Series>>>,
+    x: DVector<f64>,
+    sums: Vec<OnceLock<JointSeries>>,
+}
+
+impl Modelled {
+    pub fn new(built: Vec<Built>, x: DVector<f64>) -> Self {
+        let sums = built.iter().map(|_| OnceLock::new()).collect();
+        Self { columns: built.into_iter().map(|b| b.series).collect(), x, sums }
+    }
+
+    /// Over all samples of recording `p`, before sensors, N.m.
+    pub fn along(&self, p: usize, observed: &Observed<'_>) -> &JointSeries {
+        self.sums[p].get_or_init(|| {
+            let mut sum = observed.known.clone();
+            for (column, x) in self.columns[p].iter().flat_map(|s| s.iter()).zip(self.x.iter()) {
+                add(&mut sum, *x, column);
+            }
+            sum
+        })
     }
 }
 

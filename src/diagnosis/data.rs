@@ -14,7 +14,6 @@ use super::tolerances::Tolerances;
 use crate::follow::Watch;
 use crate::regression::random_effects::{Features, JointMetric, Metric, ln_likelihood};
 use crate::regression::{Blocks, Raw};
-use crate::series::JointSeries;
 use crate::twin::Twin;
 
 /// Share of the sensors' noise floor that no model is believed to fall short of: the floor is an
@@ -150,12 +149,12 @@ impl<'a> Data<'a> {
     }
 
     /// Columns of what the twin states within limits, where the rigid arm needs `carried` in each recording.
-    pub fn within_tolerances(&self, carried: impl Fn(usize) -> JointSeries) -> Vec<Raw> {
+    pub fn within_tolerances(&self, carried: impl Fn(usize) -> Blocks) -> Vec<Raw> {
         if self.tolerances.count() == 0 {
             return Vec::new();
         }
         let links = self.kept("tolerances", |p| self.tolerances.of_links(self.parts[p]));
-        let scales = self.fresh(|p| self.tolerances.of_scales(self.parts[p], &carried(p)));
+        let scales = self.fresh(|p| self.tolerances.of_scales(&carried(p)));
         links.iter().cloned().chain(scales).collect()
     }
 

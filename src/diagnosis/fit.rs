@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::built::{self, Built, follows, is_kept, key, of_sensors, of_term};
+use super::built::{self, Built, Modelled, follows, is_kept, key, of_sensors, of_term};
 use super::candidate::{Candidate, Term, shown};
 use super::data::Data;
 use super::model::Model;
@@ -35,8 +35,7 @@ pub struct Fit<'a> {
     /// Sum of squares left in the metric, joint by joint, (N.m)^2.
     pub squares: Vec<f64>,
     pub(super) normal: Arc<Normal>,
-    /// What the model gives over all samples of each recording, before sensors, N.m.
-    pub modelled: Arc<Vec<JointSeries>>,
+    modelled: Arc<Modelled>,
     /// What the arm with its causes weighs, of each recording.
     rigid: Vec<Arc<Rigid>>,
     /// Values of what the twin states within limits, in units of its tolerances, where they are held and not fitted.
@@ -97,8 +96,7 @@ impl<'a> Fit<'a> {
         let normal = Normal::new(columns, y);
         let metric = data.metric(&sizes);
         let system = solved(data, &model, &normal, &metric, tolerances);
-        let each = data.parts.par_iter().zip(&built);
-        let modelled = Arc::new(each.map(|(p, b)| b.modelled(p, &system.x)).collect());
+        let modelled = Arc::new(Modelled::new(built, system.x.clone()));
         model.carry(data.twin, &system.x);
         let squares = system.residual.squares();
         let rigid = data.parts.iter().map(|p| p.rigid(&model.laden)).collect();
@@ -194,7 +192,7 @@ impl<'a> Fit<'a> {
     /// The columns of a further candidate, as the rows of recording `p` show them.
     pub fn blocks(&self, p: usize, candidate: Candidate, nonlinear: &[f64]) -> Vec<Blocks> {
         let (observed, sensors) = (self.data.parts[p], &self.model.causes);
-        let motion = self.motion_of(p);
+        let motion = self.motion_of(p, candidate);
         let series = built::series(observed, &self.model, candidate, nonlinear, &motion);
         series.iter().map(|column| shown(observed, sensors, column)).collect()
     }
@@ -216,11 +214,17 @@ impl<'a> Fit<'a> {
         self.raw(candidate, nonlinear).iter().map(|c| Column::new(c, &self.metric)).collect()
     }
 
-    /// The motion of a recording as felt by the arm with its causes.
-    fn motion_of(&self, p: usize) -> Motion<'_> {
+    /// The motion of a recording as a candidate sees it on the arm with its causes.
+    fn motion_of(&self, p: usize, candidate: Candidate) -> Motion<'_> {
         let (observed, laden) = (self.data.parts[p], &self.model.laden);
         let rigid = Some(&*self.rigid[p]);
-        Motion { known: Some(&self.modelled[p]), rigid, ..observed.motion(laden) }
+        let known = follows(candidate).then(|| self.modelled(p));
+        Motion { known, rigid, ..observed.motion(laden) }
+    }
+
+    /// What the model gives over all samples of recording `p`, before sensors, N.m.
+    pub fn modelled(&self, p: usize) -> &JointSeries {
+        self.modelled.along(p, self.data.parts[p])
     }
 
     /// The motion of the first recording, where a search begins.
@@ -252,8 +256,8 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// Torque of the rigid arm with what the causes weigh in recording `p`, over all samples, N.m.
-    pub fn carried(&self, p: usize) -> JointSeries {
+    /// Torque of the rigid arm with what the causes weigh in recording `p`, at the rows, N.m.
+    pub fn carried(&self, p: usize) -> Blocks {
         Built::new(self.data.parts[p], &self.model).carried(self.data.parts[p], &self.model)
     }
 

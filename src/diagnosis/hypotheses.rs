@@ -104,7 +104,7 @@ pub struct Hypotheses<'a> {
 }
 
 /// What acts in the whole arm leaves nothing of its kind to single joints.
-fn covers(whole: &Candidate, part: &Candidate) -> bool {
+pub fn covers(whole: &Candidate, part: &Candidate) -> bool {
     let all = matches!(whole.place, Place::Arm | Place::Links(_));
     let everywhere = all && whole.recording.is_none();
     whole.name() == part.name() && everywhere && part.place != whole.place

@@ -45,7 +45,7 @@ impl Within {
         let fit = fit.clone().beside(Sizes { tolerances: 0, ..fit.sizes.clone() });
         let (data, bodies) = (fit.data, &fit.data.twin.robot.bodies);
         let mut raw = data.fresh(|p| of_links(data.parts[p]).to_vec());
-        raw.extend(data.fresh(|p| of_scales(data.parts[p], &fit.carried(p))));
+        raw.extend(data.fresh(|p| of_scales(&fit.carried(p))));
         let columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &fit.metric)).collect();
         let links = bodies.iter().flat_map(|b| mass_errors(b, settings));
         let known: Vec<f64> = links.chain(bodies.iter().map(|_| settings.mass_error)).collect();

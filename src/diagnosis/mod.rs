@@ -32,6 +32,7 @@ mod links;
 mod local_noise;
 mod locate;
 mod mend;
+mod merge;
 mod model;
 mod newton;
 mod observed;

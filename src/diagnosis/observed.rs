@@ -1,7 +1,7 @@
 //! A recording as it is searched: the recorded torque, where it counts, and how noisy it is.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use super::DiagnosisError;
 use super::floor::Floor;
@@ -36,6 +36,7 @@ pub struct Observed<'a> {
     filter: Option<Decimator>,
     /// The arm with what it was last said to carry, and its torque along this motion.
     rigid: Mutex<VecDeque<(Robot, Arc<Rigid>)>>,
+    rigid_rows: OnceLock<Blocks>,
 }
 
 /// Columns over all samples, joint by joint.
@@ -70,8 +71,21 @@ impl<'a> Observed<'a> {
         let known = twin.torque(&twin.motion(samples));
         let torque = Blocks::default();
         let (kept, series, rigid) = (Kept::default(), Kept::default(), Mutex::default());
-        let mut observed =
-            Self { index, twin, samples, rows, sigma, torque, known, kept, series, filter, rigid };
+        let rigid_rows = OnceLock::new();
+        let mut observed = Self {
+            index,
+            twin,
+            samples,
+            rows,
+            sigma,
+            torque,
+            known,
+            kept,
+            series,
+            filter,
+            rigid,
+            rigid_rows,
+        };
         let torque = |j| {
             let mut torque = observed.block(j, samples.torque.joint(j));
             if let Some(response) = &samples.response {
@@ -109,6 +123,17 @@ impl<'a> Observed<'a> {
         all.truncate(LOADS - 1);
         all.push_front((robot.clone(), rigid.clone()));
         rigid
+    }
+
+    /// Torque that the twin's rigid arm needs, at the rows, N.m.
+    pub fn rigid_rows(&self) -> &Blocks {
+        self.rigid_rows.get_or_init(|| {
+            let laden = self.twin.laden();
+            let rigid = self.rigid(&laden);
+            let motion = Motion { rigid: Some(&rigid), ..self.motion(&laden) };
+            let torque = motion.rigid_torque();
+            Blocks((0..self.joints()).map(|j| self.block(j, torque.joint(j))).collect())
+        })
     }
 
     /// A series over all samples of a joint -> its rows, filtered as the torque is: by the low-pass, or by what

@@ -4,6 +4,7 @@ use super::bound::Adopted;
 use super::candidate::{Candidate, Extent};
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, WEIGHED};
+use super::merge::merged;
 use super::refine;
 use super::slopes::of_cause;
 use super::trial;
@@ -20,7 +21,8 @@ pub fn revised<'a>(all: &Hypotheses<'a>, mut fit: Fit<'a>, mut fresh: Vec<Candid
         if fit.model.causes.len() < 2 {
             break;
         }
-        let Some(better) = exchanged(all, &fit, &fresh) else { break };
+        let better = exchanged(all, &fit, &fresh).or_else(|| merged(all, &fit, &fresh));
+        let Some(better) = better else { break };
         let come = better.model.causes.iter().filter(|t| !fit.model.has(t.candidate));
         let gone = fit.model.causes.iter().filter(|t| !better.model.has(t.candidate));
         fresh = come.chain(gone).map(|t| t.candidate).collect();

@@ -66,7 +66,7 @@ fn otherwise_sensed(fit: &Fit<'_>, candidate: Candidate, sensors: &[Term], step:
             if !acts_on(candidate, j) {
                 return Vec::new();
             }
-            let modelled = fit.modelled[p].joint(j);
+            let modelled = fit.modelled(p).joint(j);
             let with = |sensors: &[Term]| observed.block(j, &sense(observed, sensors, j, modelled));
             let (before, after) = (with(&fit.model.causes), with(sensors));
             after.iter().zip(before).map(|(a, b)| (a - b) / step).collect()

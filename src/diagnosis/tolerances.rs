@@ -18,7 +18,6 @@ use crate::effects::Motion;
 use crate::regression::Blocks;
 use crate::regression::random_effects::STEPS;
 use crate::robot::Body;
-use crate::series::JointSeries;
 
 /// Values of a link that are known within limits: its mass and three first moments.
 pub const PER_LINK: usize = 4;
@@ -87,19 +86,18 @@ impl Tolerances {
     }
 
     /// Torque at the rows of a recording for one tolerance of the scale of each joint's torque, where the rigid arm
-    /// needs `carried` over all samples, N.m.
-    pub fn of_scales(&self, observed: &Observed<'_>, carried: &JointSeries) -> Vec<Blocks> {
-        let mut all = of_scales(observed, carried);
+    /// needs `carried`, N.m.
+    pub fn of_scales(&self, carried: &Blocks) -> Vec<Blocks> {
+        let mut all = of_scales(carried);
         all.iter_mut().flat_map(|b| &mut b.0).flatten().for_each(|t| *t *= self.scale);
         all
     }
 
     /// What `x`, the values of all their columns, give at the rows of a recording, N.m.
-    pub fn torque(&self, observed: &Observed<'_>, carried: &JointSeries, x: &[f64]) -> Blocks {
+    pub fn torque(&self, observed: &Observed<'_>, carried: &Blocks, x: &[f64]) -> Blocks {
         let mut sum = Blocks(vec![Vec::new(); observed.joints()]);
         if !x.is_empty() {
-            let columns =
-                self.of_links(observed).into_iter().chain(self.of_scales(observed, carried));
+            let columns = self.of_links(observed).into_iter().chain(self.of_scales(carried));
             columns.zip(x).for_each(|(c, x)| sum.gather(*x, &c));
         }
         sum
@@ -139,14 +137,14 @@ pub fn of_links(observed: &Observed<'_>) -> Arc<Vec<Blocks>> {
 }
 
 /// Torque of each joint at its rows, of all that the rigid arm needs, N.m.
-pub fn of_scales(observed: &Observed<'_>, carried: &JointSeries) -> Vec<Blocks> {
-    let joints = 0..observed.joints();
+pub fn of_scales(carried: &Blocks) -> Vec<Blocks> {
+    let joints = carried.0.len();
     let alone = |j: usize| {
-        let mut rows = vec![Vec::new(); observed.joints()];
-        rows[j] = observed.block(j, carried.joint(j));
+        let mut rows = vec![Vec::new(); joints];
+        rows[j].clone_from(&carried.0[j]);
         Blocks(rows)
     };
-    joints.map(alone).collect()
+    (0..joints).map(alone).collect()
 }
 
 /// How far mass (kg) and first moments (kg.m) of a link may be off, standard deviations.

@@ -44,8 +44,26 @@ pub(super) fn torque_of_change(
     link: usize,
 ) -> JointSeries {
     let mut torque = JointSeries::zeros(per_unit[0].joints(), per_unit[0].samples());
-    add_torque_of_change(&mut torque, per_unit, change, link);
+    for j in 0..=link {
+        let mut asked = asked(per_unit, change, j);
+        let own = torque.joint_mut(j);
+        // Memory that was never written to is slow to read.
+        if let Some((change, column)) = asked.next() {
+            own.iter_mut().zip(column).for_each(|(t, c)| *t = change * c);
+        }
+        asked.for_each(|(change, column)| axpy(change, column, own));
+    }
     torque
+}
+
+/// Every change with the torque of joint `j` per unit of it.
+fn asked<'a>(
+    per_unit: &'a Regressor,
+    change: &'a [f64; 10],
+    j: usize,
+) -> impl Iterator<Item = (f64, &'a [f64])> {
+    let all = change.iter().zip(per_unit).filter(|(change, _)| **change != 0.0);
+    all.map(move |(change, column)| (*change, column.joint(j)))
 }
 
 fn add_torque_of_change(
@@ -55,9 +73,8 @@ fn add_torque_of_change(
     link: usize,
 ) {
     for j in 0..=link {
-        for (column, change) in per_unit.iter().zip(change).filter(|(_, c)| **c != 0.0) {
-            axpy(*change, column.joint(j), torque.joint_mut(j));
-        }
+        let own = torque.joint_mut(j);
+        asked(per_unit, change, j).for_each(|(change, column)| axpy(change, column, own));
     }
 }
 

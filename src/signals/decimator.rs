@@ -31,14 +31,24 @@ impl Decimator {
     /// The filtered series at `rows` (indices of samples), one value each; its ends are continued by
     /// odd reflection.
     pub fn at(&self, rows: &[usize], series: &[f64]) -> Vec<f64> {
-        let n = series.len();
-        let Some(last) = n.checked_sub(1) else { return Vec::new() };
-        let reflected = |from: usize, k: usize| 2.0 * series[from] - series[k];
-        let before = (1..=self.reach).rev().map(|k| reflected(0, k.min(last)));
-        let after = (1..=self.reach).map(|k| reflected(last, last.saturating_sub(k)));
-        let extended: Vec<f64> = before.chain(series.iter().copied()).chain(after).collect();
-        let width = self.response.len();
-        rows.iter().map(|&k| dot(&self.response, &extended[k..k + width])).collect()
+        let Some(last) = series.len().checked_sub(1) else { return Vec::new() };
+        let at = |&k: &usize| match k >= self.reach && k + self.reach <= last {
+            true => dot(&self.response, &series[k - self.reach..=k + self.reach]),
+            false => dot(&self.response, &self.around_end(k, series)),
+        };
+        rows.iter().map(at).collect()
+    }
+
+    /// What the response sees around sample `k`, near an end of the series.
+    fn around_end(&self, k: usize, series: &[f64]) -> Vec<f64> {
+        let last = series.len() - 1;
+        let reflected = |from: usize, to: usize| 2.0 * series[from] - series[to];
+        let before = (1..=self.reach - self.reach.min(k)).rev();
+        let before = before.map(|i| reflected(0, i.min(last)));
+        let inside = &series[k.saturating_sub(self.reach)..=last.min(k + self.reach)];
+        let after = 1..=(k + self.reach).saturating_sub(last);
+        let after = after.map(|i| reflected(last, last.saturating_sub(i)));
+        before.chain(inside.iter().copied()).chain(after).collect()
     }
 }
 
