@@ -25,7 +25,8 @@ const CLEAR: f64 = 5.0;
 const LEAST_SHARE: f64 = 0.05;
 /// Share of the sample interval: positions and velocities are not taken at one instant better than this.
 const SIMULTANEOUS: f64 = 1.0 / 8.0;
-/// Largest relative distance of the common lag from a joint's own: it still takes off three quarters.
+/// Largest distance of the joints' own lags from the common one, root mean square, relative to their own: it still
+/// takes off three quarters.
 const ALIKE: f64 = 0.5;
 /// Probability that a lag found this clearly is none.
 const DOUBT: f64 = 0.03;
@@ -64,20 +65,20 @@ struct Channel {
 /// The lag both recordings agree on; `None` where velocities are not recorded, or follow.
 pub fn lagging(fit: &Observed<'_>, check: &Observed<'_>, settings: &Settings) -> Option<Lagging> {
     let channels = [channel(fit)?, channel(check)?];
-    let joints = 0..fit.joints();
     let known =
         |j: usize| find(LAG).and_then(|e| fit.twin.values_at(e, j)).map_or(0.0, |values| values[0]);
     let more = |lag: Lag, j: usize| Lag { value: lag.value - known(j), ..lag };
     let both = |j: usize| channels.each_ref().map(|c| more(slope_of(c, j), j));
-    let late = joints.filter_map(|j| agreed(j, both(j), &channels[1]));
-    let late: Vec<(usize, Lag)> = late.collect();
+    let each: Vec<(usize, [Lag; 2])> = (0..fit.joints()).map(|j| (j, both(j))).collect();
+    let late = each.iter().filter(|(j, lags)| agree(*j, *lags, &channels[1]));
+    let late: Vec<(usize, Lag)> = late.map(|(j, lags)| (*j, lags[0])).collect();
     let strongest = late.iter().max_by(|a, b| a.1.z().total_cmp(&b.1.z()))?;
-    let all = pooled(&late);
-    let alike = |(_, lag): &(usize, Lag)| (lag.value - all.value).abs() < ALIKE * lag.value;
-    let moving = fit.rows.iter().filter(|rows| !rows.is_empty()).count();
-    let whole_arm = late.len() == moving && late.len() > 1 && late.iter().all(alike);
+    let told = each.iter().filter(|(_, lags)| lags[0].sd.is_finite());
+    let (all, lags): (Vec<usize>, Vec<Lag>) = told.map(|(j, lags)| (*j, lags[0])).unzip();
+    let common = pooled(&lags);
+    let whole_arm = late.len() > 1 && are_alike(&lags, common);
     let (joints, lag) = match whole_arm {
-        true => (late.iter().map(|(j, _)| *j).collect(), all),
+        true => (all, common),
         false => (vec![strongest.0], strongest.1),
     };
     if lag.value <= SIMULTANEOUS * fit.samples.dt {
@@ -139,8 +140,8 @@ impl Lag {
     }
 }
 
-/// A joint that lags on both recordings, and what it takes off the second.
-fn agreed(j: usize, [fit, check]: [Lag; 2], on_check: &Channel) -> Option<(usize, Lag)> {
+/// Does a joint lag on both recordings, and does that of the first take something off the second?
+fn agree(j: usize, [fit, check]: [Lag; 2], on_check: &Channel) -> bool {
     let clear = fit.z() > CLEAR && check.z() > CLEAR;
     let [power, cross, slope] = [
         on_check.error.dot(&on_check.error, j),
@@ -148,16 +149,23 @@ fn agreed(j: usize, [fit, check]: [Lag; 2], on_check: &Channel) -> Option<(usize
         on_check.slope.dot(&on_check.slope, j),
     ];
     let taken = (2.0 * fit.value * cross - fit.value.powi(2) * slope) / power;
-    (clear && taken > LEAST_SHARE).then_some((j, fit))
+    clear && taken > LEAST_SHARE
 }
 
 /// Mean over the joints; as uncertain as they differ.
-fn pooled(late: &[(usize, Lag)]) -> Lag {
-    let n = late.len() as f64;
-    let value = late.iter().map(|(_, l)| l.value).sum::<f64>() / n;
-    let own = late.iter().map(|(_, l)| l.sd.powi(2)).sum::<f64>();
-    let apart = late.iter().map(|(_, l)| (l.value - value).powi(2)).sum::<f64>();
+fn pooled(lags: &[Lag]) -> Lag {
+    let n = lags.len() as f64;
+    let value = lags.iter().map(|l| l.value).sum::<f64>() / n;
+    let own = lags.iter().map(|l| l.sd.powi(2)).sum::<f64>();
+    let apart = lags.iter().map(|l| (l.value - value).powi(2)).sum::<f64>();
     Lag { value, sd: (own + apart * n / (n - 1.0).max(1.0)).sqrt() / n }
+}
+
+/// Does the common lag stand for those of the joints, each as well as it is known?
+fn are_alike(lags: &[Lag], common: Lag) -> bool {
+    let squares =
+        |from: f64| -> f64 { lags.iter().map(|l| ((l.value - from) / l.sd).powi(2)).sum() };
+    squares(common.value) < ALIKE.powi(2) * squares(0.0)
 }
 
 /// The torque a twin is wrong by whose velocity is late by what the check recording shows, and by
@@ -292,6 +300,14 @@ mod tests {
         assert!((value.value - 0.01).abs() < 2e-4 && cause.shrink.fraction > 0.9, "{cause:?}");
         let without = Settings { without: vec![LAG.into()], ..Settings::default() };
         assert!(lag.cause(&without).is_none());
+    }
+
+    #[test]
+    fn a_joint_that_lags_otherwise_does_not_hide_what_all_lag_by() {
+        let lag = found(|j| if j == 3 { 0.002 } else { 0.01 }).unwrap();
+        assert!(lag.cause(&Settings::default()).unwrap().joints.is_empty());
+        let lag = found(|j| if j < 2 { 0.01 } else { 0.002 }).unwrap();
+        assert_eq!(lag.cause(&Settings::default()).unwrap().joints.len(), 1);
     }
 
     #[test]

@@ -1,28 +1,75 @@
-//! One cause for the whole arm in place of the same effect at several of its joints: drives are alike.
+//! One cause for the whole arm in place of the same effect at single joints: drives are alike.
 
 use super::candidate::{Candidate, Place};
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, covers};
 use super::screen::screen;
 
-/// The fit with one cause for the whole arm in place of those at several joints, one of them `fresh`, where that has
-/// more evidence.
+/// The fit with one cause for the whole arm in place of those at single joints, one of them `fresh`, where that is
+/// ahead.
 pub fn merged<'a>(all: &Hypotheses<'a>, fit: &Fit<'a>, fresh: &[Candidate]) -> Option<Fit<'a>> {
-    let stands_for = |whole: &Candidate, part: &Candidate| {
-        matches!(part.place, Place::Joint(_)) && covers(whole, part)
+    let new = |whole: &&Candidate| {
+        fresh.iter().any(|part| fit.model.has(*part) && stands_for(whole, part))
     };
-    let several = |whole: &&Candidate| {
-        let parts = fit.model.causes.iter().filter(|t| stands_for(whole, &t.candidate));
-        parts.count() > 1 && fresh.iter().any(|part| stands_for(whole, part))
-    };
-    let open = all.open(&fit.model);
-    open.iter().filter(several).find_map(|whole| {
+    let wholes: Vec<Candidate> = all.open(&fit.model).iter().filter(new).copied().collect();
+    wholes.into_iter().find_map(|whole| {
         let mut model = fit.model.clone();
-        model.causes.retain(|t| !stands_for(whole, &t.candidate));
+        model.causes.retain(|t| !stands_for(&whole, &t.candidate));
         let without = Fit::new(all.data, model, fit.sizes.clone());
-        let without = all.tuned(without, &all.touched(*whole));
-        let best = all.weigh(&without, screen(&without, &[*whole]), 1).into_iter().next()?;
-        let better = best.at_bound.is_none() && all.worth(&best.fit) > all.worth(fit);
-        better.then_some(best.fit)
+        let without = all.tuned(without, &all.touched(whole));
+        let best = all.weigh(&without, screen(&without, &[whole]), 1).into_iter().next()?;
+        let ahead = all.worth(&best.fit) - all.worth(fit) > all.criteria.least_nats;
+        (best.at_bound.is_none() && ahead).then_some(best.fit)
     })
+}
+
+/// Is `part` the same effect at one joint?
+fn stands_for(whole: &Candidate, part: &Candidate) -> bool {
+    matches!(part.place, Place::Joint(_)) && covers(whole, part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::candidate::Term;
+    use crate::diagnosis::criteria::Criteria;
+    use crate::diagnosis::data::Data;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::model::Model;
+    use crate::diagnosis::observed::Observed;
+    use crate::effects::find;
+    use crate::signals::testing::{noisy, samples};
+    use crate::twin::Twin;
+
+    const DELAY_S: f64 = 0.024;
+
+    /// Of an arm whose first joints are late: are delays at two of them one of the whole arm?
+    fn becomes_one(late_joints: usize) -> bool {
+        let twin = Twin::default();
+        let mut made = samples(6, 3000, |j, t| 0.7 * ((1.1 + 0.2 * j as f64) * t).sin());
+        let late = (DELAY_S / made.dt).round() as usize;
+        made.torque = twin.torque(&twin.motion(&made)).map_joints(|j, t| {
+            let late = if j < late_joints { late } else { 0 };
+            (0..t.len()).map(|k| t[k.saturating_sub(late)]).collect()
+        });
+        noisy(&mut made, 0.05);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let data = Data::plain(vec![&observed]);
+        let effect = find("time_delay").unwrap();
+        let of = |place| Candidate::new(effect, place);
+        let (whole, parts) = (of(Place::Arm), [of(Place::Joint(1)), of(Place::Joint(2))]);
+        let candidates = [&parts[..], &[whole]].concat();
+        let all = Hypotheses { data: &data, candidates, criteria: Criteria::default() };
+        let model =
+            parts.iter().fold(Model::of(&twin), |m, p| m.with(Term::new(*p, vec![DELAY_S])));
+        let merged = merged(&all, &Fit::plain(&data, model), &parts[..1]);
+        merged.is_some_and(|fit| fit.model.has(whole) && fit.model.causes.len() == 1)
+    }
+
+    #[test]
+    fn what_all_joints_have_alike_is_one_cause() {
+        assert!(becomes_one(6));
+        assert!(!becomes_one(3));
+    }
 }
