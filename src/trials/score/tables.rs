@@ -160,9 +160,9 @@ pub fn calibration(all: &[Judged]) -> String {
     format!("{table}\nBrier score over all cases: {score}.\n")
 }
 
-pub fn parameters(all: &[Judged]) -> String {
+pub fn parameters<'a>(all: impl IntoIterator<Item = &'a Judged>) -> String {
     let mut groups: BTreeMap<(&str, &str), Vec<_>> = BTreeMap::new();
-    for p in all.iter().flat_map(|j| &j.parameters) {
+    for p in all.into_iter().flat_map(|j| &j.parameters) {
         groups.entry((&p.effect, &p.name)).or_default().push(p);
     }
     let row = |((effect, name), all): (&(&str, &str), &Vec<&super::JudgedParameter>)| {

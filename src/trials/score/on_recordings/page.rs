@@ -13,7 +13,7 @@ pub fn parts(all: &[Judged]) -> Vec<(&'static str, String)> {
         ("By strength", found::by_strength(all)),
         ("Foreign effects", found::foreign(all)),
         ("Do the untouched pairs agree?", agreement::table(all)),
-        ("Parameters of effects named exactly", tables::parameters(all)),
+        ("Parameters of effects named exactly", tables::parameters(found::asked(all))),
         ("Not found, or with strays", missed(all)),
     ]
 }
