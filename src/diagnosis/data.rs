@@ -6,13 +6,13 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::Settings;
-use super::discrepancy::{Discrepancy, GROUPS};
+use super::discrepancy::{Discrepancy, GROUPS, KNOWN};
 use super::kept::Kept;
 use super::observed::Observed;
 use super::sizes::Sizes;
 use super::tolerances::Tolerances;
 use crate::follow::Watch;
-use crate::regression::random_effects::{Features, JointMetric, Metric, ln_likelihood};
+use crate::regression::random_effects::{Features, JointMetric, Metric, STEPS, ln_likelihood};
 use crate::regression::{Blocks, Raw};
 use crate::twin::Twin;
 
@@ -161,6 +161,19 @@ impl<'a> Data<'a> {
     /// No discrepancy anywhere, and a twin that is exact.
     pub fn nothing(&self) -> Sizes {
         Sizes::nothing(self.joints())
+    }
+
+    /// These sizes with all that is known to be no larger than so much as large as that.
+    pub fn at_limits(&self, sizes: &Sizes) -> Sizes {
+        let group = |f: &Features, (g, step): (usize, &u8)| match KNOWN.contains(&GROUPS[g]) {
+            true => f.largest(g),
+            false => *step,
+        };
+        let joint = |(f, steps): (&Features, &Vec<u8>)| {
+            steps.iter().enumerate().map(|step| group(f, step)).collect()
+        };
+        let joints = self.features.iter().zip(&sizes.joints).map(joint).collect();
+        Sizes { joints, tolerances: STEPS }
     }
 
     pub fn metric(&self, sizes: &Sizes) -> Metric {

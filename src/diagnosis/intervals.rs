@@ -2,19 +2,18 @@
 //!
 //! From the information matrix of all linear parameters and of the nonlinear ones that were
 //! searched (their columns by central differences), in the metric of the discrepancy, rows counted by
-//! what is independent in what it leaves. Links are as unsure there as they are said to be, and so is the
-//! scale of all torque, a parameter beside the others: what weighs is as uncertain as the scale it is
-//! weighed with. The ends of a window of time are told otherwise (`windows`).
+//! what is independent in what it leaves. Links and times of channels are as unsure there as they are said to be, and so is
+//! the scale of all torque, a parameter beside the others: what weighs is as uncertain as the scale it is
+//! weighed with, and so is what follows the load. The ends of a window of time are told otherwise (`windows`).
 
 use nalgebra::{Cholesky, DVector};
 use statrs::function::gamma::gamma_lr;
 
-use super::candidate::{Candidate, Extent};
+use super::candidate::{Candidate, Extent, Term};
 use super::fit::Fit;
 use super::independent::{LEVEL, independent};
 use super::{Value, tolerances, windows};
-use crate::effects::{Effect, Parameter, Ratio, Role};
-use crate::regression::random_effects::STEPS;
+use crate::effects::{Effect, Parameter, Ratio, Role, Scope};
 use crate::regression::{Normal, Raw, System};
 use crate::statistics::{normal_quantile, student_quantile};
 
@@ -155,6 +154,7 @@ fn information(fit: &Fit<'_>, shaped: impl Fn(usize) -> bool) -> (Systems, Place
     priors.resize(columns.len(), f64::INFINITY);
     let own = columns.len();
     columns.extend(fit.data.within_tolerances(|p| fit.carried(p)));
+    columns.extend(of_load(fit));
     let (tolerances, all) = (fit.sizes.tolerances, columns.len());
     let within = |step: u8| {
         let mut priors = priors.clone();
@@ -172,9 +172,27 @@ fn information(fit: &Fit<'_>, shaped: impl Fn(usize) -> bool) -> (Systems, Place
     let moving = (0..joints).filter(|j| fit.data.rows(*j) > 0);
     let without = moving.map(|j| solve(Some(j))).collect();
     let all = solve(None);
-    // As unsure as the twin is said to be, whatever is most likely.
-    let unsure = System::solve(&normal, &fit.metric, weights.clone(), within(STEPS));
+    // As unsure as twin and channels are said to be, whatever is most likely.
+    let limits = fit.data.at_limits(&fit.sizes);
+    let unsure = fit.data.metric(&limits);
+    let unsure = System::solve(&normal, &unsure, weights.clone(), within(limits.tolerances));
     (Systems { all, unsure, without }, places)
+}
+
+/// Torque by which effects that follow the load change where all that the arm weighs is one tolerance heavier, N.m: they
+/// are known no better than that load. `None` where there are none, or the twin is exact.
+fn of_load(fit: &Fit<'_>) -> Option<Raw> {
+    let at_joint = |c: Candidate| c.effect.about().scope == Scope::Joint;
+    let follows = |t: &Term| at_joint(t.candidate) && t.candidate.effect.depends_on_load();
+    let tolerance = fit.data.tolerances.of_scale();
+    let heavier = |by: f64| {
+        let mut model = fit.model.clone();
+        let bodies = model.laden.bodies.iter_mut();
+        bodies.for_each(|b| b.inertia = b.inertia.scaled(1.0 + by));
+        fit.predicted(&model)
+    };
+    let some = tolerance > 0.0 && fit.model.terms().any(follows);
+    some.then(|| heavier(tolerance).less(&heavier(-tolerance), 0.5))
 }
 
 /// Steps of all parameters from all joints, the same where all that the twin states within limits may be that far
@@ -226,7 +244,8 @@ fn slope(fit: &Fit<'_>, i: usize, k: usize, p: &Parameter) -> Raw {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::candidate::{Candidate, Place, Term};
+    use crate::diagnosis::Settings;
+    use crate::diagnosis::candidate::Place;
     use crate::diagnosis::data::Data;
     use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::model::Model;
@@ -318,6 +337,57 @@ mod tests {
         let term = || Term { searched: vec![0], ..Term::new(candidate, shape.clone()) };
         assert_eq!(at_joint_2(term(), 0, 2.5, none), [true, false]);
         assert_eq!(at_joint_2(term(), 0, 0.0, none), [true, true]);
+    }
+
+    /// Friction in proportion to a load that is known to a twentieth.
+    #[test]
+    fn what_follows_the_load_is_known_no_better_than_the_load() {
+        let known_to = 0.05;
+        let twin = Twin::default();
+        let candidate = Candidate::new(find("load_friction").unwrap(), Place::Joint(1));
+        let mut made = samples(6, 3000, |j, t| 0.6 * ((0.9 + 0.1 * j as f64) * t).sin());
+        let column = candidate.effect.columns(&twin.motion(&made), 1, &[]).swap_remove(0);
+        made.torque = twin.torque(&twin.motion(&made));
+        made.torque.joint_mut(1).iter_mut().zip(column).for_each(|(t, z)| *t += 0.1 * z);
+        noisy(&mut made, 0.3);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let wide = |mass_error: f64| {
+            let settings = Settings { mass_error, ..Settings::default() };
+            let data = Data::new(vec![&observed], &settings);
+            let fit = Fit::plain(&data, Model::of(&twin).with(Term::new(candidate, vec![])));
+            let value = of_fit(&fit)[0].swap_remove(0);
+            assert!(value.low < 0.1 && 0.1 < value.high, "{value:?}");
+            (value.high - value.low) / (2.0 * value.value)
+        };
+        let least = normal_quantile(1.0 - LEVEL) * known_to;
+        assert!(wide(0.0) < 0.5 * least && wide(known_to) > least);
+    }
+
+    /// Torque of a joint is taken so late, s; and an eighth of a sample is what channels are told apart by.
+    #[test]
+    fn a_delay_is_known_no_better_than_the_times_of_channels() {
+        const LATE_S: f64 = 0.016;
+        let twin = Twin::default();
+        let mut made = samples(6, 3000, |j, t| 0.6 * ((0.9 + 0.1 * j as f64) * t).sin());
+        let known_to = 0.125 * made.dt;
+        let late = (LATE_S / made.dt).round() as usize;
+        made.torque = twin.torque(&twin.motion(&made)).map_joints(|j, t| {
+            let late = if j == 1 { late } else { 0 };
+            (0..t.len()).map(|k| t[k.saturating_sub(late)]).collect()
+        });
+        noisy(&mut made, 0.05);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let settings = Settings { mass_error: 0.0, ..Settings::default() };
+        let data = Data::new(vec![&observed], &settings);
+        let candidate = Candidate::new(find("time_delay").unwrap(), Place::Joint(1));
+        let term = Term { searched: vec![0], ..Term::new(candidate, vec![LATE_S]) };
+        let fit = Fit::plain(&data, Model::of(&twin).with(term));
+        let value = of_fit(&fit)[0].swap_remove(0);
+        let deviation = 0.5 * (value.high - value.low) / normal_quantile(1.0 - LEVEL);
+        // Sizes are known to a factor of two.
+        assert!((0.5..1.5).contains(&(deviation / known_to)), "{deviation} s");
     }
 
     #[test]

@@ -67,6 +67,11 @@ impl Tolerances {
         Self { links, told, scale: settings.mass_error }
     }
 
+    /// How far the scale of a joint's torque may be off, relative, one standard deviation; nothing where the twin is exact.
+    pub fn of_scale(&self) -> f64 {
+        self.scale
+    }
+
     /// How many columns they are.
     pub fn count(&self) -> usize {
         if self.links.is_empty() { 0 } else { self.told.ncols() + self.links.len() / PER_LINK }

@@ -143,6 +143,11 @@ impl Features {
         self
     }
 
+    /// Largest step of the size of group `g`.
+    pub fn largest(&self, g: usize) -> u8 {
+        self.largest[g]
+    }
+
     /// Features with all columns times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         let column = |c: &Vec<f64>| c.iter().map(|v| v * factor).collect();

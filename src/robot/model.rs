@@ -114,6 +114,11 @@ impl Inertia {
         Self { mass, com, about_com: about_origin - point_mass(mass, &com) }
     }
 
+    /// A body of the same shape that is `factor` times as heavy.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { mass: factor * self.mass, com: self.com, about_com: self.about_com * factor }
+    }
+
     /// This body seen from the frame that sees its own frame at `placement`.
     pub fn seen_from(&self, placement: &Placement) -> Self {
         let r = placement.rotation;
