@@ -1,15 +1,17 @@
-//! One cause for the whole arm in place of the same effect at single joints: drives are alike.
+//! One cause for the whole arm in place of the same effect at single joints: all its sensors are read at one time. Its
+//! drives are of several sizes, and may each lack the same by another amount.
 
 use super::candidate::{Candidate, Place};
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, covers};
 use super::screen::screen;
 
-/// The fit with one cause for the whole arm in place of those at single joints, one of them `fresh`, where that is
-/// ahead.
+/// The fit with one cause in the sensors of the whole arm in place of those at single joints, one of them `fresh`,
+/// where that is ahead.
 pub fn merged<'a>(all: &Hypotheses<'a>, fit: &Fit<'a>, fresh: &[Candidate]) -> Option<Fit<'a>> {
     let new = |whole: &&Candidate| {
-        fresh.iter().any(|part| fit.model.has(*part) && stands_for(whole, part))
+        let part = |c: &Candidate| fit.model.has(*c) && stands_for(whole, c);
+        whole.senses() && fresh.iter().any(part)
     };
     let wholes: Vec<Candidate> = all.open(&fit.model).iter().filter(new).copied().collect();
     wholes.into_iter().find_map(|whole| {
