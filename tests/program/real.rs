@@ -177,6 +177,14 @@ fn links_of_a_bad_model_are_one_cause() {
     assert!(causes(&known).iter().all(|c| c.0 != "link_inertia"), "{:?}", causes(&known));
     let [bad, good] = [&found, &known].map(|d| shrink(d, "after_nm"));
     assert!(bad < 1.1 * good, "{bad} N.m, {good} N.m");
+    assert_eq!(known["says"], quoted_by_the_readme());
+}
+
+/// What the README quotes of an answer: its one block of quoted lines.
+fn quoted_by_the_readme() -> String {
+    let readme = std::fs::read_to_string("README.md").unwrap();
+    let lines: Vec<&str> = readme.lines().filter_map(|l| l.strip_prefix("> ")).collect();
+    lines.join(" ")
 }
 
 /// Every link's mass is 2 kg, its inertia in proportion.
