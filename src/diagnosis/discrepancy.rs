@@ -26,7 +26,7 @@ pub const KNOWN: [&str; 1] = ["timing"];
 /// The group of what the twin leaves open: its mean belongs to that.
 const OPEN: &str = "friction";
 /// Share of the time between samples: channels are not taken at one instant better than this.
-const SIMULTANEOUS: f64 = 0.125;
+pub(super) const SIMULTANEOUS: f64 = 0.125;
 
 /// Features of a smooth function of all angles and speeds (Rahimi and Recht, "Random features for
 /// large-scale kernel machines", NIPS 2007), and the standard deviations over which it bends.

@@ -247,6 +247,7 @@ mod tests {
     use crate::diagnosis::Settings;
     use crate::diagnosis::candidate::Place;
     use crate::diagnosis::data::Data;
+    use crate::diagnosis::discrepancy::SIMULTANEOUS;
     use crate::diagnosis::floor::noise_floor;
     use crate::diagnosis::model::Model;
     use crate::diagnosis::observed::Observed;
@@ -364,13 +365,13 @@ mod tests {
         assert!(wide(0.0) < 0.5 * least && wide(known_to) > least);
     }
 
-    /// Torque of a joint is taken so late, s; and an eighth of a sample is what channels are told apart by.
+    /// Torque of one joint that is two samples late.
     #[test]
     fn a_delay_is_known_no_better_than_the_times_of_channels() {
         const LATE_S: f64 = 0.016;
         let twin = Twin::default();
         let mut made = samples(6, 3000, |j, t| 0.6 * ((0.9 + 0.1 * j as f64) * t).sin());
-        let known_to = 0.125 * made.dt;
+        let known_to = SIMULTANEOUS * made.dt;
         let late = (LATE_S / made.dt).round() as usize;
         made.torque = twin.torque(&twin.motion(&made)).map_joints(|j, t| {
             let late = if j == 1 { late } else { 0 };

@@ -9,6 +9,7 @@
 //! where there was none).
 
 use super::answer::LAG;
+use super::discrepancy::SIMULTANEOUS;
 use super::observed::Observed;
 use super::{BeforeAfter, Cause, Checked, Settings, Value};
 use crate::effects::{Motion, find};
@@ -23,8 +24,6 @@ const LEVEL: f64 = 0.9;
 const CLEAR: f64 = 5.0;
 /// Least share of the mean square of qd - qd_r on the check recording that a lag must take off.
 const LEAST_SHARE: f64 = 0.05;
-/// Share of the sample interval: positions and velocities are not taken at one instant better than this.
-const SIMULTANEOUS: f64 = 1.0 / 8.0;
 /// Largest distance of the joints' own lags from the common one, root mean square, relative to their own: it still
 /// takes off three quarters.
 const ALIKE: f64 = 0.5;

@@ -40,38 +40,63 @@ mod tests {
     use crate::diagnosis::model::Model;
     use crate::diagnosis::observed::Observed;
     use crate::effects::find;
+    use crate::signals::Samples;
     use crate::signals::testing::{noisy, samples};
     use crate::twin::Twin;
 
     const DELAY_S: f64 = 0.024;
 
-    /// Of an arm whose first joints are late: are delays at two of them one of the whole arm?
-    fn becomes_one(late_joints: usize) -> bool {
+    fn moving() -> Samples {
+        samples(6, 3000, |j, t| 0.7 * ((1.1 + 0.2 * j as f64) * t).sin())
+    }
+
+    /// Does an effect of these nonlinear values at two joints become one of the whole arm?
+    fn becomes_one(mut made: Samples, effect: &str, nonlinear: &[f64]) -> bool {
         let twin = Twin::default();
-        let mut made = samples(6, 3000, |j, t| 0.7 * ((1.1 + 0.2 * j as f64) * t).sin());
-        let late = (DELAY_S / made.dt).round() as usize;
-        made.torque = twin.torque(&twin.motion(&made)).map_joints(|j, t| {
-            let late = if j < late_joints { late } else { 0 };
-            (0..t.len()).map(|k| t[k.saturating_sub(late)]).collect()
-        });
         noisy(&mut made, 0.05);
         let floor = noise_floor(&made, &twin);
         let observed = Observed::new(0, &twin, &made, &floor).unwrap();
         let data = Data::plain(vec![&observed]);
-        let effect = find("time_delay").unwrap();
+        let effect = find(effect).unwrap();
         let of = |place| Candidate::new(effect, place);
         let (whole, parts) = (of(Place::Arm), [of(Place::Joint(1)), of(Place::Joint(2))]);
         let candidates = [&parts[..], &[whole]].concat();
         let all = Hypotheses { data: &data, candidates, criteria: Criteria::default() };
-        let model =
-            parts.iter().fold(Model::of(&twin), |m, p| m.with(Term::new(*p, vec![DELAY_S])));
+        let with = |m: Model, p: &Candidate| m.with(Term::new(*p, nonlinear.to_vec()));
+        let model = parts.iter().fold(Model::of(&twin), with);
         let merged = merged(&all, &Fit::plain(&data, model), &parts[..1]);
         merged.is_some_and(|fit| fit.model.has(whole) && fit.model.causes.len() == 1)
     }
 
+    /// An arm whose first joints are late.
+    fn late(joints: usize) -> Samples {
+        let (twin, mut made) = (Twin::default(), moving());
+        let late = (DELAY_S / made.dt).round() as usize;
+        made.torque = twin.torque(&twin.motion(&made)).map_joints(|j, t| {
+            let late = if j < joints { late } else { 0 };
+            (0..t.len()).map(|k| t[k.saturating_sub(late)]).collect()
+        });
+        made
+    }
+
     #[test]
-    fn what_all_joints_have_alike_is_one_cause() {
-        assert!(becomes_one(6));
-        assert!(!becomes_one(3));
+    fn a_delay_that_all_joints_have_alike_is_one_cause() {
+        assert!(becomes_one(late(6), "time_delay", &[DELAY_S]));
+        assert!(!becomes_one(late(3), "time_delay", &[DELAY_S]));
+    }
+
+    #[test]
+    fn what_all_drives_have_alike_stays_theirs() {
+        const BY_SPEED: f64 = -10.0;
+        let (twin, mut made) = (Twin::default(), moving());
+        let law = find("viscous_quadratic").unwrap();
+        let motion = twin.motion(&made);
+        let mut torque = twin.torque(&motion);
+        for j in 0..6 {
+            let column = law.columns(&motion, j, &[]).swap_remove(0);
+            torque.joint_mut(j).iter_mut().zip(column).for_each(|(t, c)| *t += BY_SPEED * c);
+        }
+        made.torque = torque;
+        assert!(!becomes_one(made, "viscous_quadratic", &[]));
     }
 }

@@ -67,7 +67,8 @@ impl Tolerances {
         Self { links, told, scale: settings.mass_error }
     }
 
-    /// How far the scale of a joint's torque may be off, relative, one standard deviation; nothing where the twin is exact.
+    /// How far the scale of a joint's torque, and so of what the arm weighs, may be off: relative, one standard deviation;
+    /// nothing where the twin is exact.
     pub fn of_scale(&self) -> f64 {
         self.scale
     }
