@@ -3,9 +3,13 @@
 use std::cell::OnceCell;
 
 use super::candidate::{Candidate, Place, Term};
+use super::fit::Fit;
 use super::hypotheses::{Hypotheses, Hypothesis, Standing};
+use super::independent::{are_near, counted};
 use super::judge::Gain;
+use super::model::Model;
 use super::ranking::is_equal;
+use super::revise::{pruned, revised};
 use super::search::Found;
 
 /// What a search of the fit recording alone finds, and cannot tell from it.
@@ -20,6 +24,30 @@ impl<'s, 'b> Blind<'s, 'b> {
     pub fn new(search: &'s Hypotheses<'b>, found: &'s Found<'b>) -> Self {
         let causes = found.last.model.causes.iter();
         Self { search, found, standings: causes.map(|_| OnceCell::new()).collect() }
+    }
+
+    /// Those of `causes` that are not chosen. How much a row counts depends on what is left of it: where these rows
+    /// counted otherwise beside what both recordings show, `model`, it is seen whether that stands in them.
+    pub fn misses<'k>(
+        &self,
+        model: &Model,
+        causes: impl Iterator<Item = (&'k Standing<'k>, &'k Gain)>,
+    ) -> Vec<Candidate> {
+        let missed = |blind: &Blind<'_, '_>, (standing, gain): &(&Standing<'_>, &Gain)| {
+            !blind.chooses(standing, gain)
+        };
+        let mut causes: Vec<_> = causes.filter(|c| missed(self, c)).collect();
+        if !causes.is_empty() {
+            let data = counted(self.search.data, model);
+            if !are_near(&data.shares, &self.search.data.shares) {
+                let (candidates, criteria) = (self.search.candidates.clone(), self.search.criteria);
+                let search = Hypotheses { data: &data, candidates, criteria };
+                let found = standing(&search, model.clone());
+                let again = Blind::new(&search, &found);
+                causes.retain(|c| missed(&again, c));
+            }
+        }
+        causes.iter().map(|(standing, _)| standing.cause().candidate()).collect()
     }
 
     /// Is a cause among these, or what looks the same as it? Or does it look the same, in the fit recording, as one of
@@ -50,6 +78,16 @@ impl<'s, 'b> Blind<'s, 'b> {
     }
 }
 
+/// What stands of a model in these recordings.
+fn standing<'a>(search: &Hypotheses<'a>, mut model: Model) -> Found<'a> {
+    let joints: Vec<usize> = (0..search.data.joints()).collect();
+    model.causes.retain(|t| search.data.parts.iter().any(|p| t.candidate.is_in(p.index)));
+    let fit = Fit::new(search.data, model, search.data.nothing()).settled();
+    let fit = pruned(search, search.tuned(fit, &joints), |_| true);
+    let causes = fit.model.causes.iter().map(|t| t.candidate).collect();
+    Found { last: revised(search, fit, causes), ..Found::none(search) }
+}
+
 /// What acts in the whole arm is also there where it was found at a joint, and the other way round.
 fn is_same(a: Candidate, b: Candidate) -> bool {
     let either = a.place == Place::Arm || b.place == Place::Arm;
@@ -59,7 +97,6 @@ fn is_same(a: Candidate, b: Candidate) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::Checked;
     use crate::diagnosis::criteria::Criteria;
     use crate::diagnosis::data::Data;
     use crate::diagnosis::fit::Fit;
@@ -67,12 +104,17 @@ mod tests {
     use crate::diagnosis::model::Model;
     use crate::diagnosis::observed::Observed;
     use crate::diagnosis::trial;
+    use crate::diagnosis::{Checked, Settings};
     use crate::effects::find;
     use crate::signals::testing::{noisy, samples};
     use crate::twin::Twin;
 
     const JOINT: usize = 1;
     const OFFSET_NM: f64 = 1.5;
+    /// Share of rows that count where the rest is slow.
+    const FEW: f64 = 0.001;
+    /// Slower than anything of the motion.
+    const SLOW_RAD_S: f64 = 0.15;
 
     /// A law that is not exact, and takes half of what is left off the check recording.
     fn inexact() -> Gain {
@@ -120,6 +162,40 @@ mod tests {
 
     fn at(joint: usize, name: &str) -> Candidate {
         Candidate::new(find(name).unwrap(), Place::Joint(joint))
+    }
+
+    /// How many causes are missed by a search that found nothing, because few of its rows counted, where so much slow
+    /// noise stays beside the offset, N.m.
+    fn missed(slow_nm: f64) -> usize {
+        let twin = Twin::default();
+        let mut made = samples(6, 3000, |j, t| 0.7 * ((1.1 + 0.2 * j as f64) * t).sin());
+        made.torque = twin.torque(&twin.motion(&made));
+        let slow = (0..made.len()).map(|k| slow_nm * (SLOW_RAD_S * made.dt * k as f64).sin());
+        let torque = made.torque.joint_mut(JOINT).iter_mut();
+        torque.zip(slow).for_each(|(t, slow)| *t += OFFSET_NM + slow);
+        noisy(&mut made, 0.3);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let [every, few] = [1.0, FEW].map(|share| {
+            let data =
+                Data::new(vec![&observed], &Settings { mass_error: 0.0, ..Settings::default() });
+            data.counted(vec![share; 6])
+        });
+        let offset = at(JOINT, "current_offset");
+        let search =
+            |data| Hypotheses { data, candidates: vec![offset], criteria: Criteria::default() };
+        let model = Model::of(&twin).with(Term::new(offset, vec![]));
+        let standing = search(&every).standing(&Fit::plain(&every, model.clone()), 0);
+        let alone = search(&few);
+        let found = Found::none(&alone);
+        let gain = inexact();
+        let causes = std::iter::once((&standing, &gain));
+        Blind::new(&alone, &found).misses(&model, causes).len()
+    }
+
+    #[test]
+    fn a_cause_beside_which_more_rows_count_is_not_missed() {
+        assert_eq!([0.0, 3.0].map(missed), [0, 1]);
     }
 
     #[test]

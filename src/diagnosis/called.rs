@@ -49,12 +49,11 @@ pub fn called<'a>(
             fit = next;
             continue;
         }
-        let chosen = |i: &usize| blind.chooses(&standings[*i], &gains[*i]);
         let law = |i: &usize| {
             gains[*i].needs_replication(fit.model.causes[*i].candidate, &search.criteria)
         };
-        let open = (0..count).filter(|i| law(i) && !chosen(i));
-        let unconfirmed = open.map(|i| fit.model.causes[i].candidate).collect();
+        let laws = (0..count).filter(law).map(|i| (&standings[i], &gains[i]));
+        let unconfirmed = blind.misses(&fit.model, laws);
         return Called { fit, standings, gains, unconfirmed, equals: None };
     }
 }
@@ -121,6 +120,7 @@ mod tests {
     use crate::diagnosis::criteria::Criteria;
     use crate::diagnosis::data::Data;
     use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::independent::counted;
     use crate::diagnosis::model::Model;
     use crate::diagnosis::observed::Observed;
     use crate::effects::find;
@@ -165,6 +165,9 @@ mod tests {
         let [one, other, all] =
             [vec![&fit], vec![&check], vec![&fit, &check]].map(|parts| Data::new(parts, &settings));
         let offset = Candidate::new(find("current_offset").unwrap(), Place::Joint(JOINT));
+        // Rows that already count as they do beside the offset: there is nothing to see again.
+        let with_offset = Model::of(&twin).with(Term::new(offset, vec![]));
+        let one = counted(&one, &with_offset);
         let search =
             |data| Hypotheses { data, candidates: vec![offset], criteria: Criteria::default() };
         let [alone, search] = [search(&one), search(&all)];

@@ -191,6 +191,11 @@ impl Candidate {
         }
     }
 
+    /// May it act in this recording?
+    pub fn is_in(&self, recording: usize) -> bool {
+        self.recording.is_none_or(|r| r == recording)
+    }
+
     /// Loads of earlier ones are in place where later ones are worked out: a base tilts with the
     /// payload on it.
     pub fn order(&self) -> (usize, Place) {

@@ -5,13 +5,12 @@
 //! beside them: the evidence of the whole model decides. How far links are expected to be from the
 //! twin's is what the data say, one among a few spreads.
 
-use rayon::prelude::*;
-
 use super::Value;
 use super::bound::is_impossible;
 use super::candidate::{Candidate, Place};
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, Hypothesis};
+use super::revise::pruned;
 use super::screen::screen;
 use super::search::{Found, grown, tell};
 use crate::effects::find;
@@ -42,7 +41,8 @@ pub fn with_links<'a>(all: &Hypotheses<'a>, found: &Found<'a>) -> Option<Found<'
     let instead = || with_group(&unladen(all, &found.last)?).filter(earns);
     let best = best.or_else(instead)?;
     let group = best.candidate();
-    let fit = settled(all, best.fit, group);
+    // What stood in for links goes.
+    let fit = pruned(all, best.fit, |c| c != group);
     let better = all.worth(&fit) - all.worth(&found.last) > all.criteria.least_nats;
     let i = fit.model.causes.iter().position(|t| t.candidate == group)?;
     let stand = better && !is_impossible(&fit, i);
@@ -57,22 +57,6 @@ fn unladen<'a>(all: &Hypotheses<'a>, fit: &Fit<'a>) -> Option<Fit<'a>> {
     model.causes.retain(|t| !t.candidate.is_load());
     (model.causes.len() < fit.model.causes.len())
         .then(|| all.tuned(Fit::new(all.data, model, fit.sizes.clone()), &[]))
-}
-
-/// Drops, one after the other, the causes that stood in for `group`.
-fn settled<'a>(all: &Hypotheses<'a>, mut fit: Fit<'a>, group: Candidate) -> Fit<'a> {
-    let fewer = |fit: &Fit<'a>| {
-        let others =
-            (0..fit.model.causes.len()).filter(|i| fit.model.causes[*i].candidate != group);
-        let others: Vec<usize> = others.collect();
-        let without = others.into_par_iter().map(|i| all.without(fit, i));
-        let best = without.max_by(|a, b| all.worth(a).total_cmp(&all.worth(b)))?;
-        (all.worth(fit) - all.worth(&best) < all.criteria.least_nats).then_some(best)
-    };
-    while let Some(without) = fewer(&fit) {
-        fit = without;
-    }
-    fit
 }
 
 /// Are all links among the causes of a fit?

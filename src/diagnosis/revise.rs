@@ -1,5 +1,7 @@
 //! The causes of a model seen together again: what one was found beside may since have gone.
 
+use rayon::prelude::*;
+
 use super::bound::Adopted;
 use super::candidate::{Candidate, Extent};
 use super::fit::Fit;
@@ -27,6 +29,26 @@ pub fn revised<'a>(all: &Hypotheses<'a>, mut fit: Fit<'a>, mut fresh: Vec<Candid
         let gone = fit.model.causes.iter().filter(|t| !better.model.has(t.candidate));
         fresh = come.chain(gone).map(|t| t.candidate).collect();
         fit = better;
+    }
+    fit
+}
+
+/// Without those of `these` that do not earn their places, the weakest first.
+pub fn pruned<'a>(
+    all: &Hypotheses<'a>,
+    mut fit: Fit<'a>,
+    these: impl Fn(Candidate) -> bool,
+) -> Fit<'a> {
+    let fewer = |fit: &Fit<'a>| {
+        let causes = fit.model.causes.iter().enumerate();
+        let asked: Vec<usize> =
+            causes.filter(|(_, t)| these(t.candidate)).map(|(i, _)| i).collect();
+        let without = asked.into_par_iter().map(|i| all.without(fit, i));
+        let best = without.max_by(|a, b| all.worth(a).total_cmp(&all.worth(b)))?;
+        (all.worth(fit) - all.worth(&best) < all.criteria.least_nats).then_some(best)
+    };
+    while let Some(without) = fewer(&fit) {
+        fit = without;
     }
     fit
 }

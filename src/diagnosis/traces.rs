@@ -110,7 +110,7 @@ fn contact(check: &Observed<'_>, fit: &Fit<'_>) -> Vec<bool> {
     let motion = check.motion(&check.twin.robot);
     let mut touches = Vec::new();
     let causes = fit.model.causes.iter();
-    let here = |t: &&Term| t.candidate.recording.is_none_or(|r| r == check.index);
+    let here = |t: &&Term| t.candidate.is_in(check.index);
     for term in causes.filter(|t| t.candidate.effect.lasts_a_while()).filter(here) {
         touches.resize(check.samples.len(), false);
         for column in term.candidate.effect.reach(&motion, 0, &term.nonlinear) {

@@ -68,7 +68,7 @@ impl Sums {
             let weight = 1.0 / variance(residual).max(fit.data.least(j)).max(f64::MIN_POSITIVE);
             let mut row = 0;
             for part in &fit.data.parts {
-                let here = candidate.recording.is_none_or(|r| r == part.index);
+                let here = candidate.is_in(part.index);
                 for &k in &part.rows[j] {
                     let at = |c: &Raw| c.rows.0[j].get(row).copied().unwrap_or(0.0);
                     let c = Vector3::from_iterator(columns.iter().map(at));
