@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 
 use super::candidate::{Candidate, Place, Term};
+use super::data::Data;
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, Hypothesis, Standing};
 use super::independent::{are_near, counted};
@@ -37,17 +38,21 @@ impl<'s, 'b> Blind<'s, 'b> {
             !blind.chooses(standing, gain)
         };
         let mut causes: Vec<_> = causes.filter(|c| missed(self, c)).collect();
-        if !causes.is_empty() {
-            let data = counted(self.search.data, model);
-            if !are_near(&data.shares, &self.search.data.shares) {
-                let (candidates, criteria) = (self.search.candidates.clone(), self.search.criteria);
-                let search = Hypotheses { data: &data, candidates, criteria };
-                let found = standing(&search, model.clone());
-                let again = Blind::new(&search, &found);
-                causes.retain(|c| missed(&again, c));
-            }
+        let again = (!causes.is_empty()).then(|| self.counted_beside(model)).flatten();
+        if let Some(data) = again {
+            let (candidates, criteria) = (self.search.candidates.clone(), self.search.criteria);
+            let search = Hypotheses { data: &data, candidates, criteria };
+            let found = upheld(&search, model.clone());
+            let blind = Blind::new(&search, &found);
+            causes.retain(|c| missed(&blind, c));
         }
         causes.iter().map(|(standing, _)| standing.cause().candidate()).collect()
+    }
+
+    /// These recordings, their rows counted beside `model`, where that is otherwise than they count.
+    fn counted_beside(&self, model: &Model) -> Option<Data<'b>> {
+        let data = counted(self.search.data, model);
+        (!are_near(&data.shares, &self.search.data.shares)).then_some(data)
     }
 
     /// Is a cause among these, or what looks the same as it? Or does it look the same, in the fit recording, as one of
@@ -78,8 +83,8 @@ impl<'s, 'b> Blind<'s, 'b> {
     }
 }
 
-/// What stands of a model in these recordings.
-fn standing<'a>(search: &Hypotheses<'a>, mut model: Model) -> Found<'a> {
+/// What these recordings uphold of a model.
+fn upheld<'a>(search: &Hypotheses<'a>, mut model: Model) -> Found<'a> {
     let joints: Vec<usize> = (0..search.data.joints()).collect();
     model.causes.retain(|t| search.data.parts.iter().any(|p| t.candidate.is_in(p.index)));
     let fit = Fit::new(search.data, model, search.data.nothing()).settled();
@@ -98,14 +103,12 @@ fn is_same(a: Candidate, b: Candidate) -> bool {
 mod tests {
     use super::*;
     use crate::diagnosis::criteria::Criteria;
-    use crate::diagnosis::data::Data;
-    use crate::diagnosis::fit::Fit;
     use crate::diagnosis::floor::noise_floor;
-    use crate::diagnosis::model::Model;
     use crate::diagnosis::observed::Observed;
     use crate::diagnosis::trial;
     use crate::diagnosis::{Checked, Settings};
     use crate::effects::find;
+    use crate::signals::Samples;
     use crate::signals::testing::{noisy, samples};
     use crate::twin::Twin;
 
@@ -128,13 +131,21 @@ mod tests {
         Gain { shrink, where_exact: 0.0, where_inexact: 0.5, acts: true }
     }
 
+    /// An arm with an offset at `JOINT`, and so much slow noise there, N.m.
+    fn recorded(twin: &Twin, slow_nm: f64) -> Samples {
+        let mut made = samples(6, 3000, |j, t| 0.7 * ((1.1 + 0.2 * j as f64) * t).sin());
+        made.torque = twin.torque(&twin.motion(&made));
+        let slow = (0..made.len()).map(|k| slow_nm * (SLOW_RAD_S * made.dt * k as f64).sin());
+        let torque = made.torque.joint_mut(JOINT).iter_mut();
+        torque.zip(slow).for_each(|(t, slow)| *t += OFFSET_NM + slow);
+        noisy(&mut made, 0.3);
+        made
+    }
+
     /// Does a search that found `blind` choose an offset at `JOINT`?
     fn chooses(blind: Candidate) -> bool {
         let twin = Twin::default();
-        let mut made = samples(6, 3000, |j, t| 0.7 * ((1.1 + 0.2 * j as f64) * t).sin());
-        made.torque = twin.torque(&twin.motion(&made));
-        made.torque.joint_mut(JOINT).iter_mut().for_each(|t| *t += OFFSET_NM);
-        noisy(&mut made, 0.3);
+        let made = recorded(&twin, 0.0);
         let floor = noise_floor(&made, &twin);
         let observed = Observed::new(0, &twin, &made, &floor).unwrap();
         let data = Data::plain(vec![&observed]);
@@ -164,16 +175,10 @@ mod tests {
         Candidate::new(find(name).unwrap(), Place::Joint(joint))
     }
 
-    /// How many causes are missed by a search that found nothing, because few of its rows counted, where so much slow
-    /// noise stays beside the offset, N.m.
+    /// How many causes are missed by a search that found nothing, because few of its rows counted.
     fn missed(slow_nm: f64) -> usize {
         let twin = Twin::default();
-        let mut made = samples(6, 3000, |j, t| 0.7 * ((1.1 + 0.2 * j as f64) * t).sin());
-        made.torque = twin.torque(&twin.motion(&made));
-        let slow = (0..made.len()).map(|k| slow_nm * (SLOW_RAD_S * made.dt * k as f64).sin());
-        let torque = made.torque.joint_mut(JOINT).iter_mut();
-        torque.zip(slow).for_each(|(t, slow)| *t += OFFSET_NM + slow);
-        noisy(&mut made, 0.3);
+        let made = recorded(&twin, slow_nm);
         let floor = noise_floor(&made, &twin);
         let observed = Observed::new(0, &twin, &made, &floor).unwrap();
         let [every, few] = [1.0, FEW].map(|share| {
