@@ -55,7 +55,7 @@ pub fn diagnose(
     let (mut after, mut taken) = (refits.before.clone(), Vec::new());
     let mut proof = |offers: &[Offer]| {
         let sieve = Sieve { refits: &refits, check: &check_track, settings };
-        let Sifted { stand, twin } = sieve.sift(offers)?;
+        let Sifted { stand, twin, .. } = sieve.sift(offers)?;
         taken = stand.iter().map(|s| offers[s.index].change.clone()).collect();
         if !taken.is_empty() {
             after = sieve.in_full(&twin, &taken)?;

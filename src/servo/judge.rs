@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::refit::Refitted;
+use super::refit::{Refitted, taken_out};
 use super::{Estimate, PositionGap, ServoError, Track, replay};
 use crate::diagnosis::{
     By, Cause, Change, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink,
@@ -43,7 +43,7 @@ pub fn prove(
     let gaps = [&q_before, &q_after].map(|q| PositionGap::new(check, q));
     let rms = gaps[1].rms_rad();
     let without = |cause: &Cause| -> Result<PositionShrink, ServoError> {
-        let twin = taken_out(&after.twin, twin, cause);
+        let twin = taken_out(&after.twin, twin, &Change::from(cause));
         let before_rad = PositionGap::new(check, &of(&twin)?).rms_rad();
         let Cause { effect, joints, .. } = cause.clone();
         let fraction = share(before_rad, rms);
@@ -103,24 +103,6 @@ fn stated(twin: &Twin, effect: &str, parameter: &str, joint: Option<usize>) -> f
     let j = joint.map_or(0, |joint| joint - 1);
     let listed = twin.values.get(parameter).and_then(|v| v.get(j)).copied();
     listed.unwrap_or_else(|| find(effect).map_or(0.0, |e| e.in_drive(&twin.drive, j)))
-}
-
-/// The mended twin with the values of one cause as `twin` has them, all others as they are.
-fn taken_out(mended: &Twin, twin: &Twin, cause: &Cause) -> Twin {
-    let mut without = mended.clone();
-    let acts = |joint: usize| cause.joints.is_empty() || cause.joints.contains(&(joint + 1));
-    let Some(effect) = find(&cause.effect) else { return without };
-    if let Some(part) = effect.stands_for() {
-        let joints = (0..twin.robot.dof()).filter(|j| acts(*j));
-        joints.for_each(|j| without.drive.part_mut(part)[j] = twin.drive.part(part)[j]);
-    }
-    for p in effect.about().parameters.iter().filter(|p| p.null.is_finite()) {
-        let Some(values) = without.values.get_mut(p.name) else { continue };
-        for (j, value) in values.iter_mut().enumerate().filter(|(j, _)| acts(*j)) {
-            *value = twin.values.get(p.name).and_then(|v| v.get(j)).copied().unwrap_or(p.null);
-        }
-    }
-    without
 }
 
 fn put(diagnosis: &mut Diagnosis, [before, after]: &[PositionGap; 2], causes: Vec<PositionShrink>) {

@@ -16,7 +16,7 @@ use super::stick;
 use super::wound::{self, Wound};
 use crate::effects::{ArmState, JointLoad, Mechanism};
 use crate::resimulation::injections;
-use crate::robot::{Servo, Workspace, gravity_torque, inverse_dynamics, mass_matrix};
+use crate::robot::{Servo, Workspace, equation_of_motion, gravity_torque, inverse_dynamics};
 use crate::simulation::Injections;
 use crate::twin::Twin;
 
@@ -45,6 +45,40 @@ pub struct Plant {
     bias: Vec<f64>,
     still: Vec<f64>,
     yields: Vec<Yield>,
+    step: Step,
+}
+
+/// Scratch memory of a step: motors first, then wind-ups.
+struct Step {
+    /// Mass matrix of the links, kg.m2.
+    links: DMatrix<f64>,
+    /// The equation of the step, before transmissions carry anything: A, b, and the largest impulses of dry friction.
+    a: DMatrix<f64>,
+    b: DVector<f64>,
+    limit: Vec<f64>,
+    /// The inverse of A, and b, with what transmissions carry.
+    inverse: DMatrix<f64>,
+    coupled: DVector<f64>,
+    /// Speeds before, then after it, rad/s.
+    v: Vec<f64>,
+    /// Those of the links before it, rad/s.
+    link_v: Vec<f64>,
+}
+
+impl Step {
+    fn new(dof: usize, wound: usize) -> Self {
+        let (n, square) = (dof + wound, |n| DMatrix::zeros(n, n));
+        Self {
+            links: square(dof),
+            a: square(n),
+            b: DVector::zeros(n),
+            limit: vec![0.0; n],
+            inverse: square(n),
+            coupled: DVector::zeros(n),
+            v: vec![0.0; n],
+            link_v: vec![0.0; dof],
+        }
+    }
 }
 
 /// How a joint gave way in the last step.
@@ -84,6 +118,7 @@ impl Plant {
             transmitted: zeros(),
             loads: vec![JointLoad::default(); dof],
             impulses: vec![0.0; dof + wound.len()],
+            step: Step::new(dof, wound.len()),
             wound,
             bias: zeros(),
             still: zeros(),
@@ -157,19 +192,14 @@ impl Plant {
             temperature: &self.temperature,
         };
         self.effects.loads(&state, &mut self.loads);
-        let (link_q, link_v) = (&self.link_q, &self.link_v);
-        inverse_dynamics(robot, &mut self.workspace, link_q, link_v, &self.still, &mut self.bias);
-        let links = mass_matrix(robot, &mut self.workspace, link_q);
-        let mut m = wound::with_wind_ups(&links, &self.wound);
-        let all = self.q.len() + self.wound.len();
-        let mut b = DVector::zeros(all);
-        let mut limit = vec![0.0; all];
-        let rates = self.wound.iter().map(|w| w.rate);
-        let speeds: Vec<f64> = self.v.iter().copied().chain(rates).collect();
-        (0..dof).for_each(|j| m[(j, j)] += self.mechanism.armature[j]);
-        for i in 0..all {
-            b[i] = (0..all).map(|j| m[(i, j)] * speeds[j]).sum();
-        }
+        let Step { links, a, b, limit, v, .. } = &mut self.step;
+        let state = [&self.link_q[..], &self.link_v];
+        equation_of_motion(robot, &mut self.workspace, state, links, &mut self.bias);
+        wound::with_wind_ups(links, &self.wound, a);
+        (0..dof).for_each(|j| a[(j, j)] += self.mechanism.armature[j]);
+        v[..dof].copy_from_slice(&self.v);
+        v[dof..].iter_mut().zip(&self.wound).for_each(|(v, w)| *v = w.rate);
+        stick::product(a, v, b.as_mut_slice());
         for i in 0..dof {
             let on = if gain[i] > 0.0 { 1.0 } else { 0.0 };
             let damping = self.loads[i].damping + on * self.servo.damping[i];
@@ -177,55 +207,53 @@ impl Plant {
             let [pull, slope] = self.servo.pull(i, gain[i], command[i] - shown);
             let dry = self.loads[i].dry + self.servo.friction[i] * pull.abs();
             limit[i] = h * dry.max(0.0);
-            self.yields[i] = Yield { inertia: m[(i, i)], damping, slope, slides: true };
+            self.yields[i] = Yield { inertia: a[(i, i)], damping, slope, slides: true };
             let torque = pull - self.bias[i] - self.loads[i].torque;
             b[i] += h * torque - 0.5 * h * damping * self.v[i];
-            m[(i, i)] += 0.5 * h * damping;
+            a[(i, i)] += 0.5 * h * damping;
         }
         for (i, wound) in self.wound.iter().enumerate() {
             b[dof + i] += h * self.bias[wound.joint];
         }
-        let v = self.speeds_after(h, (m, b), &limit);
-        self.advance(h, &links, &v);
+        self.find_speeds(h);
+        self.advance(h);
     }
 
     /// Speeds of motors and wind-ups after a step, with whichever teeth touch in it.
-    fn speeds_after(
-        &mut self,
-        h: f64,
-        (m, b): (DMatrix<f64>, DVector<f64>),
-        limit: &[f64],
-    ) -> Vec<f64> {
-        let (dof, mut v) = (self.q.len(), vec![0.0; limit.len()]);
+    fn find_speeds(&mut self, h: f64) {
+        let dof = self.q.len();
+        let Step { a, b, limit, inverse, coupled, v, .. } = &mut self.step;
         for _ in 0..wound::TRIES {
-            let (mut m, mut b) = (m.clone(), b.clone());
-            wound::couple(&self.wound, h, &mut m, &mut b);
-            stick::solve(&inverse(m), &b, limit, &mut self.impulses, &mut v);
-            let settled = |(w, rate): (&mut Wound, &f64)| w.is_settled(h, *rate);
-            let settled: Vec<bool> = self.wound.iter_mut().zip(&v[dof..]).map(settled).collect();
-            if settled.into_iter().all(|settled| settled) {
+            inverse.copy_from(a);
+            coupled.copy_from(b);
+            wound::couple(&self.wound, h, inverse, coupled);
+            stick::invert(inverse);
+            stick::solve(inverse, coupled, limit, &mut self.impulses, v);
+            // All of them: each notes where its teeth touch.
+            let wound = self.wound.iter_mut().zip(&v[dof..]);
+            if wound.fold(true, |settled, (w, rate)| w.is_settled(h, *rate) && settled) {
                 break;
             }
         }
-        v
     }
 
-    fn advance(&mut self, h: f64, links: &DMatrix<f64>, v: &[f64]) {
+    fn advance(&mut self, h: f64) {
         let dof = self.q.len();
-        let before = self.link_v.clone();
-        for (wound, rate) in self.wound.iter_mut().zip(&v[dof..]) {
+        self.step.link_v.copy_from_slice(&self.link_v);
+        for (wound, rate) in self.wound.iter_mut().zip(&self.step.v[dof..]) {
             wound.advance(h, *rate);
         }
-        for (j, v) in v[..dof].iter().enumerate() {
+        for (j, v) in self.step.v[..dof].iter().enumerate() {
             self.v[j] = *v;
             self.q[j] += h * v;
             self.yields[j].slides = *v != 0.0;
         }
         self.place_links();
-        let faster: Vec<f64> = self.link_v.iter().zip(&before).map(|(v, b)| (v - b) / h).collect();
-        for i in 0..dof {
-            let accelerated: f64 = (0..dof).map(|j| links[(i, j)] * faster[j]).sum();
-            self.transmitted[i] = self.bias[i] + accelerated;
+        let Step { links, link_v: gained, .. } = &mut self.step;
+        gained.iter_mut().zip(&self.link_v).for_each(|(before, now)| *before = now - *before);
+        stick::product(links, gained, &mut self.transmitted);
+        for (carried, bias) in self.transmitted.iter_mut().zip(&self.bias) {
+            *carried = bias + *carried / h;
         }
         self.time += h;
     }
@@ -242,12 +270,3 @@ impl Plant {
 
 /// Temperature at which friction holds as it stands, where none is recorded, deg C.
 const USUAL_C: f64 = 25.0;
-
-/// The inverse of a symmetric positive definite matrix; of one that is none because a value ran away, zeros.
-fn inverse(m: DMatrix<f64>) -> DMatrix<f64> {
-    if m.nrows() == 1 {
-        return DMatrix::from_element(1, 1, 1.0 / m[(0, 0)]);
-    }
-    let n = m.nrows();
-    m.cholesky().map_or_else(|| DMatrix::zeros(n, n), |c| c.inverse())
-}

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::parameters::with_values;
 use super::{Estimate, Free, ServoError, Settings, Track, approach, free_parameters, identify};
 use crate::diagnosis::{Change, changed};
-use crate::effects::Role;
+use crate::effects::{Role, find};
 use crate::follow::Watch;
 use crate::twin::Twin;
 
@@ -80,6 +80,24 @@ impl<'a> Refits<'a> {
         let with_kept = with_kept(current, alone, &own);
         let starts = [with_values(&with_kept, &own, &values), current.clone()];
         from_either(starts, |start| self.approached(start, changes, &FROM_NEAR))
+    }
+
+    /// `current`, which has all of `changes`, about without the `i`th.
+    ///
+    /// # Errors
+    /// As [`identify`].
+    pub fn without(
+        &self,
+        current: &Twin,
+        changes: &[Change],
+        i: usize,
+    ) -> Result<Twin, ServoError> {
+        let start = taken_out(current, &self.before.twin, &changes[i]);
+        let mut others = changes.to_vec();
+        others.remove(i);
+        from_either([start, self.before.twin.clone()], |start| {
+            self.approached(start, &others, &FROM_NEAR)
+        })
     }
 
     /// `near` with the values of what the twin leaves open, and of the changes, fitted.
@@ -209,6 +227,24 @@ fn parameters(twin: &Twin, change: &Change) -> Result<Vec<Free>, ServoError> {
     let own = all.into_iter().filter(|f| f.joint.is_none_or(acts));
     let alike = |f: Free| Free { joint: f.joint.filter(|_| !change.joints.is_empty()), ..f };
     Ok(own.map(alike).collect())
+}
+
+/// `mended` with the values of one change as `twin` has them, all others as they are.
+pub fn taken_out(mended: &Twin, twin: &Twin, change: &Change) -> Twin {
+    let mut without = mended.clone();
+    let acts = |joint: usize| change.joints.is_empty() || change.joints.contains(&(joint + 1));
+    let Some(effect) = find(&change.effect) else { return without };
+    if let Some(part) = effect.stands_for() {
+        let joints = (0..twin.robot.dof()).filter(|j| acts(*j));
+        joints.for_each(|j| without.drive.part_mut(part)[j] = twin.drive.part(part)[j]);
+    }
+    for p in effect.about().parameters.iter().filter(|p| p.null.is_finite()) {
+        let Some(values) = without.values.get_mut(p.name) else { continue };
+        for (j, value) in values.iter_mut().enumerate().filter(|(j, _)| acts(*j)) {
+            *value = twin.values.get(p.name).and_then(|v| v.get(j)).copied().unwrap_or(p.null);
+        }
+    }
+    without
 }
 
 /// What comes of the first start, of the second where the twin runs away from the first.

@@ -20,10 +20,16 @@ pub struct Sieve<'a> {
     pub settings: &'a Settings,
 }
 
+/// Changes that are tried beside what stands, in one round: those that take off most alone, in which order they
+/// are beside others is not known.
+const TRIED: usize = 10;
+
 /// Which changes stand, and the twin with them, about.
 pub struct Sifted {
     pub stand: Vec<Stands>,
     pub twin: Twin,
+    /// What is left along the command of the other recording, each joint, rad.
+    errors: Vec<Vec<f64>>,
 }
 
 /// A twin with one change alone, or with one more.
@@ -38,44 +44,83 @@ struct Tried {
     at_bound: bool,
 }
 
+impl Sifted {
+    fn changes(&self, offers: &[Offer]) -> Vec<Change> {
+        self.stand.iter().map(|s| offers[s.index].change.clone()).collect()
+    }
+
+    /// With one more, and others that do as well in its place.
+    fn and(mut self, one: Tried, equals: Vec<usize>) -> Self {
+        // What looked the same as an earlier one and is there beside it is another.
+        self.stand.iter_mut().for_each(|s| s.equals.retain(|i| *i != one.index));
+        self.stand.push(Stands { index: one.index, equals });
+        Self { twin: one.twin, errors: one.errors, ..self }
+    }
+
+    /// With all but the `i`th.
+    fn but(mut self, i: usize, twin: Twin, errors: Vec<Vec<f64>>) -> Self {
+        self.stand.remove(i);
+        Self { twin, errors, ..self }
+    }
+}
+
 impl Sieve<'_> {
     /// Which of the changes that are offered, the most plausible first, take something sure off the simulated position's
-    /// error along the command of `check`, taken up one after the other. First comes what, fitted alone, takes most off
-    /// that; of what takes as much the most plausible that no other is surely better than beside what there is already,
-    /// and the others like that are its equals. Many values always follow the recording better that they are fitted to:
-    /// that tells nothing.
+    /// error along the command of `check`, taken up one after the other: each time that with which it comes nearest beside
+    /// what there is already; of what comes as near the most plausible, and the others like that are its equals. Many
+    /// values always follow the recording better that they are fitted to: that tells nothing. In the end each has to
+    /// take something off beside all others.
     ///
     /// # Errors
     /// If the twin cannot be fitted or simulated.
     pub fn sift(&self, offers: &[Offer]) -> Result<Sifted, ServoError> {
-        let mut twin = self.refits.before.twin.clone();
-        let mut left = errors(&twin, self.check)?;
-        let (mut stand, mut taken) = (Vec::new(), Vec::new());
+        let twin = self.refits.before.twin.clone();
+        let errors = errors(&twin, self.check)?;
+        let mut sifted = Sifted { stand: Vec::new(), twin, errors };
         let mut open = self.alone(offers)?;
         for round in 0.. {
             if open.is_empty() {
                 break;
             }
-            // Every round takes up one or more.
+            // Every round takes one up, or puts several aside.
             let at_most = round + open.len() as u64;
             self.refits.watch.bound("fitting causes together by simulation", round, at_most);
-            let rivals = self.rivals(&open, offers);
-            let beside = |alone: &&Tried| self.beside((&twin, &taken), offers, alone);
-            let tried: Vec<Tried> = rivals.par_iter().map(beside).collect::<Result<_, _>>()?;
-            let mut used: Vec<usize> = rivals.iter().map(|t| t.index).collect();
-            let nearer = self.nearer(&left, tried, (&taken, offers))?;
-            if let Some((best, equals)) = self.best(nearer) {
+            let beside = |alone: &Tried| self.beside(&sifted, offers, alone);
+            let first = &open[..open.len().min(TRIED)];
+            let tried: Vec<Tried> = first.par_iter().map(beside).collect::<Result<_, _>>()?;
+            let mut used: Vec<usize> = first.iter().map(|t| t.index).collect();
+            if let Some((best, equals)) = self.best(&sifted, tried, offers)? {
                 used = vec![best.index];
-                taken.push(offers[best.index].change.clone());
-                // What looked the same as an earlier one and is there beside it is another.
-                stand.iter_mut().for_each(|s: &mut Stands| s.equals.retain(|i| *i != best.index));
-                stand.push(Stands { index: best.index, equals });
-                (twin, left) = (best.twin, best.errors);
+                sifted = sifted.and(best, equals);
             }
+            let taken = sifted.changes(offers);
             let overlaps = |t: &Tried| taken.iter().any(|c| offers[t.index].change.overlaps(c));
             open.retain(|t| !used.contains(&t.index) && !overlaps(t));
         }
-        Ok(Sifted { stand, twin })
+        self.needed(sifted, offers)
+    }
+
+    /// Without what the others, taken up later, have made needless: what takes nothing sure off beside them, the least first.
+    fn needed(&self, mut sifted: Sifted, offers: &[Offer]) -> Result<Sifted, ServoError> {
+        while sifted.stand.len() > 1 {
+            let changes = sifted.changes(offers);
+            let without = |i: usize| -> Result<(usize, Twin, Vec<Vec<f64>>), ServoError> {
+                let twin = self.refits.without(&sifted.twin, &changes, i)?;
+                let errors = errors(&twin, self.check)?;
+                Ok((i, twin, errors))
+            };
+            let all = 0..changes.len();
+            let mut idle: Vec<_> =
+                all.into_par_iter().map(without).collect::<Result<_, ServoError>>()?;
+            let among = |i: usize| offers[sifted.stand[i].index].among;
+            idle.retain(|(i, _, without)| !self.is_nearer(without, &sifted.errors, among(*i)));
+            let units = self.units(&sifted.errors);
+            let size = |errors: &[Vec<f64>]| summed(errors, &units).iter().sum::<f64>();
+            let least = idle.into_iter().min_by(|a, b| size(&a.2).total_cmp(&size(&b.2)));
+            let Some((i, twin, errors)) = least else { break };
+            sifted = sifted.but(i, twin, errors);
+        }
+        Ok(sifted)
     }
 
     /// `sifted` with values in full, as long as that brings it no further from the recorded position.
@@ -114,16 +159,16 @@ impl Sieve<'_> {
         Ok(all)
     }
 
-    /// A twin that has changes already with one more, along the command of `check`.
+    /// What stands with one more, along the command of `check`.
     fn beside(
         &self,
-        (twin, taken): (&Twin, &[Change]),
+        sifted: &Sifted,
         offers: &[Offer],
         alone: &Tried,
     ) -> Result<Tried, ServoError> {
-        let offer = &offers[alone.index];
-        let twin = self.refits.beside(twin, &with(taken, offer), &alone.twin)?;
-        Ok(Tried { gain: alone.gain, ..self.tried(alone.index, offer, twin)? })
+        let changes = with(&sifted.changes(offers), &offers[alone.index]);
+        let twin = self.refits.beside(&sifted.twin, &changes, &alone.twin)?;
+        Ok(Tried { gain: alone.gain, ..self.tried(alone.index, &offers[alone.index], twin)? })
     }
 
     /// A twin that a change was fitted in, along the command of `check`; its gain alone is not known here.
@@ -133,51 +178,49 @@ impl Sieve<'_> {
         Ok(Tried { index, twin, errors, gain: 0.0, at_bound })
     }
 
-    /// What brings the error nearer than `left`. Where that is more than one, fitted in full: of rivals the last bit counts.
-    fn nearer(
+    /// The most plausible of those with which the error comes nearest, if it does, and the others of them.
+    fn best(
         &self,
-        left: &[Vec<f64>],
+        sifted: &Sifted,
         mut tried: Vec<Tried>,
-        (taken, offers): (&[Change], &[Offer]),
-    ) -> Result<Vec<Tried>, ServoError> {
+        offers: &[Offer],
+    ) -> Result<Option<(Tried, Vec<usize>)>, ServoError> {
         // What fits only at the end of its range is no cause.
-        let stands =
-            |t: &Tried| !t.at_bound && self.is_nearer(left, &t.errors, offers[t.index].among);
+        let stands = |t: &Tried| {
+            let among = offers[t.index].among;
+            !t.at_bound && self.is_nearer(&sifted.errors, &t.errors, among)
+        };
         tried.retain(stands);
-        if tried.len() > 1 {
+        let mut nearest = self.nearest(tried);
+        if nearest.len() > 1 {
+            // Of rivals the last bit counts.
             let in_full = |t: &Tried| {
                 let offer = &offers[t.index];
-                let twin = self.refits.all(&t.twin, &with(taken, offer))?.twin;
+                let changes = with(&sifted.changes(offers), offer);
+                let twin = self.refits.all(&t.twin, &changes)?.twin;
                 Ok(Tried { gain: t.gain, ..self.tried(t.index, offer, twin)? })
             };
-            tried = tried.par_iter().map(in_full).collect::<Result<_, ServoError>>()?;
-            tried.retain(stands);
+            nearest = nearest.par_iter().map(in_full).collect::<Result<_, ServoError>>()?;
+            nearest.retain(stands);
+            nearest = self.nearest(nearest);
         }
-        Ok(tried)
-    }
-
-    /// The first, and what alone takes as much off where it acts, as far as simulations are exact and the recording tells.
-    fn rivals<'t>(&self, open: &'t [Tried], offers: &[Offer]) -> Vec<&'t Tried> {
-        let (first, inexact) = (&open[0], self.settings.criteria.least_gain_inexact);
+        nearest.sort_by_key(|t| t.index);
+        let mut nearest = nearest.into_iter();
+        let Some(first) = nearest.next() else { return Ok(None) };
         let meets = |t: &Tried| offers[t.index].change.meets(&offers[first.index].change);
-        let as_much = |t: &Tried| t.gain >= (1.0 - inexact) * first.gain;
-        let as_well = |t: &Tried| as_much(t) || !self.is_surely_nearer(&t.errors, &first.errors, 1);
-        let is_rival =
-            |t: &&Tried| t.index == first.index || meets(t) && t.gain > 0.0 && as_well(t);
-        open.iter().filter(is_rival).collect()
+        let equals = nearest.filter(meets).map(|t| t.index).collect();
+        Ok(Some((first, equals)))
     }
 
-    /// The most plausible of those that the best is not surely nearer than, and the others of them.
-    fn best(&self, tried: Vec<Tried>) -> Option<(Tried, Vec<usize>)> {
-        let units = self.units(&tried.first()?.errors);
+    /// Those that none of the others is surely nearer than.
+    fn nearest(&self, mut tried: Vec<Tried>) -> Vec<Tried> {
+        let Some(first) = tried.first() else { return tried };
+        let units = self.units(&first.errors);
         let size = |t: &&Tried| summed(&t.errors, &units).iter().sum::<f64>();
-        let nearest = tried.iter().min_by(|a, b| size(a).total_cmp(&size(b)))?.errors.clone();
-        let as_near = |t: &Tried| !self.is_nearer(&t.errors, &nearest, 1);
-        let mut equals: Vec<Tried> = tried.into_iter().filter(as_near).collect();
-        equals.sort_by_key(|t| t.index);
-        let mut equals = equals.into_iter();
-        let first = equals.next()?;
-        Some((first, equals.map(|t| t.index).collect()))
+        let nearest = tried.iter().min_by(|a, b| size(a).total_cmp(&size(b)));
+        let nearest = nearest.map(|t| t.errors.clone()).unwrap_or_default();
+        tried.retain(|t| !self.is_nearer(&t.errors, &nearest, 1));
+        tried
     }
 
     /// What is left of each joint, rad, at least its rounding.

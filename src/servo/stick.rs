@@ -14,22 +14,22 @@ const SETTLED: f64 = 1e-13;
 
 /// Solves for `v`; `p` holds the impulses of the last step and those of this one afterwards.
 pub fn solve(g: &DMatrix<f64>, b: &DVector<f64>, limit: &[f64], p: &mut [f64], v: &mut [f64]) {
-    let n = v.len();
     for (i, p) in p.iter_mut().enumerate() {
         *p = p.clamp(-limit[i], limit[i]);
     }
-    for (i, v) in v.iter_mut().enumerate() {
-        *v = (0..n).map(|j| g[(i, j)] * (b[j] - p[j])).sum();
+    v.fill(0.0);
+    for (j, column) in columns(g).enumerate() {
+        add(v, b[j] - p[j], column);
     }
     let largest = limit.iter().fold(0.0, |m: f64, r| m.max(*r));
     for _ in 0..SWEEPS {
         let mut moved = 0.0_f64;
-        for j in 0..n {
-            let next = (p[j] + v[j] / g[(j, j)]).clamp(-limit[j], limit[j]);
+        for (j, column) in columns(g).enumerate() {
+            let next = (p[j] + v[j] / column[j]).clamp(-limit[j], limit[j]);
             let change = next - p[j];
             if change != 0.0 {
                 p[j] = next;
-                v.iter_mut().enumerate().for_each(|(i, v)| *v -= g[(i, j)] * change);
+                add(v, -change, column);
                 moved = moved.max(change.abs());
             }
         }
@@ -38,9 +38,46 @@ pub fn solve(g: &DMatrix<f64>, b: &DVector<f64>, limit: &[f64], p: &mut [f64], v
         }
     }
     // Rounding must not make a standing joint creep.
-    for j in (0..n).filter(|&j| p[j].abs() < limit[j]) {
+    for j in (0..v.len()).filter(|&j| p[j].abs() < limit[j]) {
         v[j] = 0.0;
     }
+}
+
+/// The inverse of a symmetric positive definite matrix in its place, by Gauss-Jordan elimination, which needs no pivots
+/// there; of one that is none because a value ran away, zeros.
+pub fn invert(a: &mut DMatrix<f64>) {
+    let n = a.nrows();
+    for k in 0..n {
+        let pivot = std::mem::replace(&mut a[(k, k)], 1.0);
+        // Neither is NaN.
+        if !(pivot > 0.0) {
+            return a.fill(0.0);
+        }
+        let (before, rest) = a.as_mut_slice().split_at_mut(k * n);
+        let (column, after) = rest.split_at_mut(n);
+        column.iter_mut().for_each(|c| *c /= pivot);
+        for other in before.chunks_exact_mut(n).chain(after.chunks_exact_mut(n)) {
+            let share = std::mem::take(&mut other[k]);
+            add(other, -share, column);
+        }
+    }
+}
+
+/// y = A x
+pub fn product(a: &DMatrix<f64>, x: &[f64], y: &mut [f64]) {
+    y.fill(0.0);
+    for (x, column) in x.iter().zip(columns(a)) {
+        add(y, *x, column);
+    }
+}
+
+fn columns(g: &DMatrix<f64>) -> impl Iterator<Item = &[f64]> {
+    g.as_slice().chunks_exact(g.nrows())
+}
+
+/// x += share y
+fn add(x: &mut [f64], share: f64, y: &[f64]) {
+    x.iter_mut().zip(y).for_each(|(x, y)| *x += share * y);
 }
 
 #[cfg(test)]
@@ -49,13 +86,27 @@ mod tests {
 
     fn solved(b: [f64; 2], limit: [f64; 2]) -> ([f64; 2], [f64; 2]) {
         let a = DMatrix::from_row_slice(2, 2, &[2.0, 0.9, 0.9, 1.0]);
-        let g = a.clone().try_inverse().unwrap();
+        let mut g = a.clone();
+        invert(&mut g);
         let b = DVector::from_row_slice(&b);
         let (mut p, mut v) = ([0.0; 2], [0.0; 2]);
         solve(&g, &b, &limit, &mut p, &mut v);
         let left = &b - &a * DVector::from_row_slice(&v) - DVector::from_row_slice(&p);
         assert!(left.norm() < 1e-10, "{left}");
         (p, v)
+    }
+
+    #[test]
+    fn a_matrix_times_its_inverse_is_one_and_a_wild_one_has_none() {
+        let root = DMatrix::from_fn(5, 5, |i, j| ((3 * i + 7 * j * j) as f64).sin());
+        let a = &root * root.transpose() + DMatrix::identity(5, 5);
+        let mut inverse = a.clone();
+        invert(&mut inverse);
+        assert!((a * &inverse - DMatrix::identity(5, 5)).amax() < 1e-12);
+        assert!((&inverse - inverse.transpose()).amax() < 1e-12);
+        let mut wild = DMatrix::from_element(2, 2, f64::NAN);
+        invert(&mut wild);
+        assert_eq!(wild, DMatrix::zeros(2, 2));
     }
 
     #[test]

@@ -91,13 +91,19 @@ impl Wound {
     }
 }
 
-/// The mass matrix of motors and wind-ups, kg.m2, from that of the links.
-pub fn with_wind_ups(links: &DMatrix<f64>, wound: &[Wound]) -> DMatrix<f64> {
+/// The mass matrix `m` of motors and wind-ups, kg.m2, from that of the links.
+pub fn with_wind_ups(links: &DMatrix<f64>, wound: &[Wound], m: &mut DMatrix<f64>) {
     let dof = links.nrows();
-    let joint = |i: usize| if i < dof { i } else { wound[i - dof].joint };
-    let sign = |i: usize| if i < dof { 1.0 } else { -1.0 };
-    let n = dof + wound.len();
-    DMatrix::from_fn(n, n, |i, j| sign(i) * sign(j) * links[(joint(i), joint(j))])
+    m.view_mut((0, 0), (dof, dof)).copy_from(links);
+    for (i, a) in wound.iter().enumerate() {
+        for j in 0..dof {
+            m[(dof + i, j)] = -links[(a.joint, j)];
+            m[(j, dof + i)] = -links[(j, a.joint)];
+        }
+        for (j, b) in wound.iter().enumerate() {
+            m[(dof + i, dof + j)] = links[(a.joint, b.joint)];
+        }
+    }
 }
 
 /// Adds what the transmissions carry to the equations of a step.

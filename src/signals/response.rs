@@ -61,11 +61,11 @@ impl Response {
         let (mut d, mut v) = (0.0, 0.0);
         for k in stretch.start + 1..stretch.end {
             let (m, damping, slope) = (of.inertia[k], of.damping[k], of.slope[k]);
-            let whole = m + h * damping + h * h * slope;
+            let yields = 1.0 / (m + h * damping + h * h * slope);
             for step in 1..=steps as usize {
                 let share = step as f64 / steps;
                 let tau = torque[k - 1] + share * (torque[k] - torque[k - 1]);
-                v = if of.slides[k] { (m * v + h * (tau - slope * d)) / whole } else { 0.0 };
+                v = if of.slides[k] { (m * v + h * (tau - slope * d)) * yields } else { 0.0 };
                 d += h * v;
             }
             shown[k] = of.scale * d;

@@ -15,27 +15,56 @@ pub fn inverse_dynamics(
     qdd: &[f64],
     tau: &mut [f64],
 ) {
-    propagate(robot, ws, q, qd, qdd);
+    place(robot, ws, q);
+    forces(robot, ws, qd, |i| qdd[i], tau);
+}
+
+/// [`inverse_dynamics`] where the workspace has been placed.
+pub(super) fn forces(
+    robot: &Robot,
+    ws: &mut Workspace,
+    qd: &[f64],
+    qdd: impl Fn(usize) -> f64,
+    tau: &mut [f64],
+) {
+    accelerate(robot, ws, qd, qdd);
     for (i, body) in robot.bodies.iter().enumerate() {
         ws.f[i] = body.inertia.force(&ws.v[i], &ws.a[i]);
     }
     project_forces(robot, &ws.x, &mut ws.f, tau);
 }
 
-/// Velocity and acceleration of every body, in its own coordinates; gravity is in them as an
+/// Every joint at its angle.
+pub(super) fn place(robot: &Robot, ws: &mut Workspace, q: &[f64]) {
+    for ((x, body), q) in ws.x.iter_mut().zip(&robot.bodies).zip(q) {
+        *x = Transform::of_joint(&body.joint, *q);
+    }
+}
+
+/// Velocity and acceleration of every body of a placed workspace, in its own coordinates; gravity is in them as an
 /// acceleration of the base: v_i = X v_p + S qd, a_i = X a_p + S qdd + v_i x S qd.
-pub(super) fn propagate(robot: &Robot, ws: &mut Workspace, q: &[f64], qd: &[f64], qdd: &[f64]) {
+pub(super) fn accelerate(
+    robot: &Robot,
+    ws: &mut Workspace,
+    qd: &[f64],
+    qdd: impl Fn(usize) -> f64,
+) {
     let a0 = base_acceleration(robot);
     for (i, body) in robot.bodies.iter().enumerate() {
-        let x = Transform::of_joint(&body.joint, q[i]);
+        let x = &ws.x[i];
         let (v_p, a_p) = match body.parent {
             Some(p) => (ws.v[p], ws.a[p]),
             None => (Motion::zero(), a0),
         };
         let v_j = Motion::rotation(&body.joint.axis, qd[i]);
         let v = x.motion(&v_p) + v_j;
-        ws.a[i] = x.motion(&a_p) + Motion::rotation(&body.joint.axis, qdd[i]) + v.cross(&v_j);
+        ws.a[i] = x.motion(&a_p) + Motion::rotation(&body.joint.axis, qdd(i)) + v.cross(&v_j);
         ws.v[i] = v;
-        ws.x[i] = x;
     }
+}
+
+/// [`place`], then [`accelerate`].
+pub(super) fn propagate(robot: &Robot, ws: &mut Workspace, q: &[f64], qd: &[f64], qdd: &[f64]) {
+    place(robot, ws, q);
+    accelerate(robot, ws, qd, |i| qdd[i]);
 }

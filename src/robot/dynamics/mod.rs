@@ -25,7 +25,7 @@ pub use gravity::gravity_torque;
 pub use inverse::inverse_dynamics;
 pub use jacobian::point_jacobian;
 pub use kinematics::{body_placements, flange_placement};
-pub use mass_matrix::mass_matrix;
+pub use mass_matrix::{equation_of_motion, mass_matrix};
 pub use regressor::{body_regressor, body_regressor_series, regressor};
 pub use series::{inverse_dynamics_series, mass_matrix_series, regressor_series};
 pub use workspace::Workspace;

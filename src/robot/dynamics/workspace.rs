@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::robot::Robot;
+use crate::robot::{Inertia, Robot};
 use crate::robot::spatial::{Force, Motion, Transform};
 
 /// Holds nothing between calls; make one per thread. Fits every robot of the same size.
@@ -14,6 +14,8 @@ pub struct Workspace {
     pub(super) a: Vec<Motion>,
     pub(super) f: Vec<Force>,
     pub(super) i: Vec<Articulated>,
+    /// Each body with all that it carries.
+    pub(super) carried: Vec<Composite>,
     /// U = I^A S.
     pub(super) u_force: Vec<Force>,
     /// D = S^T U.
@@ -30,6 +32,17 @@ pub(super) struct Articulated {
     pub translational: Matrix3<f64>,
 }
 
+/// Bodies that move as one, about their frame's origin: a fifth of the numbers of [`Articulated`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Composite {
+    /// kg
+    mass: f64,
+    /// m c, kg.m
+    moments: Vector3<f64>,
+    /// kg.m2
+    rotational: Matrix3<f64>,
+}
+
 impl Workspace {
     pub fn new(robot: &Robot) -> Self {
         let n = robot.dof();
@@ -39,6 +52,7 @@ impl Workspace {
             a: vec![Motion::zero(); n],
             f: vec![Force::zero(); n],
             i: vec![Articulated::zero(); n],
+            carried: vec![Composite::of(&Inertia::zero()); n],
             u_force: vec![Force::zero(); n],
             d: vec![0.0; n],
             u: vec![0.0; n],
@@ -53,7 +67,7 @@ impl Articulated {
     }
 
     /// A rigid body's inertia about its frame's origin (eq. 2.63).
-    pub fn rigid(inertia: &crate::robot::Inertia) -> Self {
+    pub fn rigid(inertia: &Inertia) -> Self {
         Self {
             rotational: inertia.about_origin(),
             coupling: (inertia.com * inertia.mass).cross_matrix(),
@@ -98,6 +112,39 @@ impl Articulated {
         self.rotational += other.rotational;
         self.coupling += other.coupling;
         self.translational += other.translational;
+    }
+}
+
+impl Composite {
+    pub fn of(inertia: &Inertia) -> Self {
+        let moments = inertia.com * inertia.mass;
+        Self { mass: inertia.mass, moments, rotational: inertia.about_origin() }
+    }
+
+    /// What turns it about an axis through the origin with 1 rad/s2.
+    #[inline]
+    pub fn turned_about(&self, axis: &Vector3<f64>) -> Force {
+        Force { moment: self.rotational * axis, force: axis.cross(&self.moments) }
+    }
+
+    /// X^T I X: the same bodies in the parent's coordinates, h' = E^T h + m r and
+    /// I' = E^T I E + r.(E^T h + h') 1 - r h'^T - E^T h r^T (eq. 2.66).
+    #[inline]
+    pub fn in_parent(&self, x: &Transform) -> Self {
+        let turned = x.e.tr_mul(&self.moments);
+        let moments = turned + x.r * self.mass;
+        let mut rotational = x.e.tr_mul(&self.rotational) * x.e;
+        rotational -= x.r * moments.transpose() + turned * x.r.transpose();
+        let along = x.r.dot(&(turned + moments));
+        (0..3).for_each(|i| rotational[(i, i)] += along);
+        Self { mass: self.mass, moments, rotational }
+    }
+
+    #[inline]
+    pub fn add(&mut self, other: &Self) {
+        self.mass += other.mass;
+        self.moments += other.moments;
+        self.rotational += other.rotational;
     }
 }
 
