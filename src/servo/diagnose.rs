@@ -9,7 +9,7 @@
 use super::judge::prove;
 use super::refit::Refits;
 use super::sift::{Sieve, Sifted};
-use super::{Free, ServoError, Settings, Track, free_parameters, identify, linearised};
+use super::{Free, ServoError, Settings, Track, approach, free_parameters, linearised};
 use crate::diagnosis::{self, Diagnosis, Offer, Traces, diagnose_proved};
 use crate::follow::Watch;
 use crate::series::JointSeries;
@@ -55,11 +55,9 @@ pub fn diagnose(
     let (mut after, mut taken) = (refits.before.clone(), Vec::new());
     let mut proof = |offers: &[Offer]| {
         let sieve = Sieve { refits: &refits, check: &check_track, settings };
-        let Sifted { stand, twin, .. } = sieve.sift(offers)?;
+        let Sifted { stand, mended, .. } = sieve.sift(offers)?;
         taken = stand.iter().map(|s| offers[s.index].change.clone()).collect();
-        if !taken.is_empty() {
-            after = sieve.in_full(&twin, &taken)?;
-        }
+        after = mended;
         Ok(stand)
     };
     watch.tell(diagnosis::SEARCHING, 0, 0);
@@ -73,5 +71,5 @@ pub fn diagnose(
 fn following(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, ServoError> {
     let free = free_parameters(twin, &FOLLOWING.map(String::from))?;
     let free: Vec<Free> = free.into_iter().map(|f| f.near_start(&twin.robot)).collect();
-    Ok(identify(twin, &[fit], &free, &Settings::default(), watch)?.twin)
+    approach(twin, &[fit], &free, watch)
 }

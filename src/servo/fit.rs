@@ -66,8 +66,10 @@ pub struct Fitted {
 /// Rounds over stretches of these shares of the longest: where a joint sticks a little earlier or later the error of
 /// long ones jumps, that of short ones hardly. The second long round has weights by what the first left.
 const STRETCHES: [f64; 3] = [0.1, 1.0, 1.0];
-/// Evaluations of the last round, by differences between simulations.
-const LAST: usize = 8;
+/// Relative change of the sum of squares below which a search ends: less than one recording tells from the next, and
+/// where values are compared that differ by more.
+const CLOSE: f64 = 1e-4;
+const ABOUT: f64 = 1e-3;
 /// Sums of neighbouring rows whose correlation is looked at: every pair of them is.
 const MOST_BINS: usize = 2000;
 /// Shortest recording, s.
@@ -86,10 +88,8 @@ pub fn identify(
 ) -> Result<Fitted, ServoError> {
     let mut problem = posed(twin, tracks, free, settings)?;
     let before = gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
-    let Search { x, evaluations, stop } = stoppable(watch, || {
-        let near = by_sensitivity(&mut problem, &STRETCHES, settings, watch);
-        by_differences(&mut problem, near, settings)
-    })?;
+    let Search { x, evaluations, stop } =
+        stoppable(watch, || searched(&mut problem, (&STRETCHES, CLOSE), settings, watch))?;
     // What the recordings say, whatever was expected.
     problem.with_priors = false;
     let estimates = estimates(&problem, &x, settings)?;
@@ -102,9 +102,8 @@ pub fn identify(
     Ok(Fitted { estimates, twin: settled(fitted), before, after, samples, cost, evaluations, stop })
 }
 
-/// The twin with values near those of [`identify`], in a fraction of its time: what sticking makes of them is left out,
-/// and what the recordings say of each. Begins with stretches of the first of these shares of the longest, ends with
-/// the last.
+/// The twin with values near those of [`identify`], in a part of its time: by short stretches
+/// alone, and what the recordings say of each is left out.
 ///
 /// # Errors
 /// As [`identify`].
@@ -112,13 +111,14 @@ pub fn approach(
     twin: &Twin,
     tracks: &[&Track],
     free: &[Free],
-    (stretches, settings): (&[f64], &Settings),
     watch: &dyn Watch,
 ) -> Result<Twin, ServoError> {
+    let settings = &Settings::default();
     let mut problem = posed(twin, tracks, free, settings)?;
     gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
     problem.counts_independent = true;
-    let found = stoppable(watch, || by_sensitivity(&mut problem, stretches, settings, watch))?;
+    let near = (&STRETCHES[..1], ABOUT);
+    let found = stoppable(watch, || searched(&mut problem, near, settings, watch))?;
     Ok(settled(with_values(twin, free, &found.x)))
 }
 
@@ -151,9 +151,9 @@ struct Search {
 }
 
 /// A round over stretches of each of these shares, each joint weighed by what the last round left of it.
-fn by_sensitivity(
+fn searched(
     problem: &mut Problem<'_>,
-    stretches: &[f64],
+    (stretches, tolerance): (&[f64], f64),
     settings: &Settings,
     watch: &dyn Watch,
 ) -> Search {
@@ -162,35 +162,31 @@ fn by_sensitivity(
         let horizon_s = share * settings.horizon_s;
         let counts_independent = problem.counts_independent;
         *problem = Problem::new(problem.twin, problem.tracks, problem.free, horizon_s);
-        (problem.by_sensitivity, problem.counts_independent) = (true, counts_independent);
+        problem.counts_independent = counts_independent;
         go_on(watch);
         let errors = problem.errors(&found.x);
         problem.weights = weights(problem, &errors);
         if problem.counts_independent {
             problem.prior_weight = rows_per_independent(problem, &errors).sqrt();
         }
-        found = minimised(problem, found, settings.max_evaluations / stretches.len());
+        let most = settings.max_evaluations / stretches.len();
+        found = minimised(problem, found, (tolerance, most));
     }
     found
 }
 
-/// What neighbouring joints and moments of sticking make of it besides.
-fn by_differences(problem: &mut Problem<'_>, near: Search, settings: &Settings) -> Search {
-    problem.by_sensitivity = false;
-    let stop = near.stop;
-    let found = minimised(problem, near, LAST.min(settings.max_evaluations));
-    if stop.converged() { Search { stop, ..found } } else { found }
-}
-
-fn minimised(problem: &Problem<'_>, from: Search, max_evaluations: usize) -> Search {
+fn minimised(
+    problem: &Problem<'_>,
+    from: Search,
+    (tolerance, max_evaluations): (f64, usize),
+) -> Search {
     let free = problem.free;
     let bounds =
         Bounds::new(free.iter().map(|f| f.min).collect(), free.iter().map(|f| f.max).collect())
             .unwrap_or_else(|_| Bounds::unbounded(free.len()));
-    // Less than one recording tells from the next.
     let settings = minimiser::Settings {
-        cost_tolerance: 1e-4,
-        step_tolerance: 1e-4,
+        cost_tolerance: tolerance,
+        step_tolerance: tolerance,
         gradient_tolerance: 1e-8,
         max_evaluations,
     };

@@ -17,7 +17,6 @@ mod plant;
 mod problem;
 mod refit;
 mod replay;
-mod sensitivity;
 mod sift;
 mod stick;
 #[cfg(test)]

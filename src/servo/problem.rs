@@ -3,9 +3,9 @@
 //!
 //! Stretches make the error local: it forgets its begin within a servo's time constant, and no error of one
 //! stretch reaches the next (multiple shooting with the measured states for its nodes: Bock, *Recent advances
-//! in parameter identification techniques for O.D.E.*, 1983). Columns of the Jacobian come from sensitivity
-//! equations, or are differences between simulations, all stretches and parameters at once over the machine's
-//! cores.
+//! in parameter identification techniques for O.D.E.*, 1983). Columns of the Jacobian are differences between
+//! simulations, all stretches and parameters at once over the machine's cores: links of small arms move each other, and
+//! a search by sensitivity equations of single joints ends where nothing is.
 
 use std::ops::Range;
 
@@ -13,11 +13,9 @@ use rayon::prelude::*;
 
 use super::parameters::{Free, with_values};
 use super::replay::lead;
-use super::sensitivity::sensitivities;
-use super::{Plant, ServoError, Track};
+use super::{Plant, Track};
 use crate::identification::levenberg_marquardt::Residuals;
 use crate::regression::bounds::Bounds;
-use crate::series::JointSeries;
 use crate::twin::Twin;
 
 /// Step of a difference: this share of the value, or of what the parameter usually is where it is small.
@@ -33,8 +31,6 @@ pub struct Problem<'a> {
     pub stretches: Vec<(usize, Range<usize>)>,
     /// Weight of a joint's error, 1/rad.
     pub weights: Vec<f64>,
-    /// Columns by sensitivity equations, not by differences.
-    pub by_sensitivity: bool,
     /// A row for each parameter, how far it is from where it is expected (most likely values a posteriori).
     pub with_priors: bool,
     /// Is what is expected held against as many rows as are independent, or against all? Values that are chosen among
@@ -59,7 +55,6 @@ impl<'a> Problem<'a> {
             free,
             stretches,
             weights,
-            by_sensitivity: false,
             with_priors: true,
             counts_independent: false,
             prior_weight: 1.0,
@@ -166,8 +161,7 @@ impl Residuals for Problem<'_> {
             if x[i] + size > bounds.upper(i) { -size } else { size }
         };
         let steps: Vec<f64> = (0..x.len()).map(step).collect();
-        let columns = self.by_sensitivity.then(|| self.sensitivities(x, &steps).ok()).flatten();
-        let mut columns = columns.unwrap_or_else(|| self.differences(x, r, &steps));
+        let mut columns = self.differences(x, r, &steps);
         for (i, column) in columns.iter_mut().enumerate() {
             let expected =
                 |k: usize| if k == i { self.prior_weight / self.free[k].spread } else { 0.0 };
@@ -178,28 +172,6 @@ impl Residuals for Problem<'_> {
 }
 
 impl Problem<'_> {
-    /// Columns by the sensitivity equation of every parameter.
-    fn sensitivities(&self, x: &[f64], steps: &[f64]) -> Result<Vec<Vec<f64>>, ServoError> {
-        let of_track = |i: usize| {
-            let own = self.stretches.iter().filter(|(track, _)| *track == i);
-            let own = own.map(|(_, stretch)| stretch.clone()).collect();
-            sensitivities(self.twin, self.free, (x, steps), self.tracks[i], own)
-        };
-        let all: Vec<Vec<JointSeries>> =
-            (0..self.tracks.len()).map(of_track).collect::<Result<_, _>>()?;
-        let column = |p: usize| {
-            let of_joint = |j: usize| {
-                let all = &all;
-                let part = move |(i, s): &(usize, Range<usize>)| {
-                    all[*i][p].joint(j)[s.clone()].iter().copied()
-                };
-                self.stretches.iter().flat_map(part)
-            };
-            self.weighted((0..self.weights.len()).flat_map(of_joint).collect())
-        };
-        Ok((0..x.len()).map(column).collect())
-    }
-
     /// Columns by differences between simulations.
     fn differences(&self, x: &[f64], r: &[f64], steps: &[f64]) -> Vec<Vec<f64>> {
         let moved = |(i, step): (usize, &f64)| {

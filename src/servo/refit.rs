@@ -5,16 +5,12 @@ use std::collections::BTreeMap;
 use super::parameters::with_values;
 use super::{Estimate, Free, ServoError, Settings, Track, approach, free_parameters, identify};
 use crate::diagnosis::{Change, changed};
-use crate::effects::{Role, find};
+use crate::effects::{Effect, Role, Scope, find};
 use crate::follow::Watch;
 use crate::twin::Twin;
 
 /// Probability that an interval of a diagnosis holds the value.
 const LEVEL: f64 = 0.9;
-/// Stretches that a fit takes one after the other, as shares of the longest: what begins far away begins with short
-/// ones.
-const FROM_FAR: [f64; 2] = [0.1, 1.0];
-const FROM_NEAR: [f64; 1] = [1.0];
 
 /// A twin with values fitted by simulation.
 #[derive(Clone)]
@@ -49,7 +45,7 @@ impl<'a> Refits<'a> {
     pub fn none(&self) -> Result<Twin, ServoError> {
         match self.free(&self.before.twin, &[])?.is_empty() {
             true => Ok(self.before.twin.clone()),
-            false => self.approached(&self.before.twin, &[], &FROM_FAR),
+            false => self.approached(&self.before.twin, &[], None),
         }
     }
 
@@ -61,7 +57,7 @@ impl<'a> Refits<'a> {
     pub fn alone(&self, change: &Change) -> Result<Twin, ServoError> {
         let own = std::slice::from_ref(change);
         let starts = [own, &[]].map(|c| changed(self.twin, &self.open_values(), c));
-        from_either(starts, |start| self.approached(start, own, &FROM_FAR))
+        from_either(starts, |start| self.approached(start, own, Some(change)))
     }
 
     /// `current`, which has all of `changes` but the last, about with the last as well; its values begin with those in
@@ -79,7 +75,7 @@ impl<'a> Refits<'a> {
         let values: Vec<f64> = own.iter().map(|f| f.start).collect();
         let with_kept = with_kept(current, alone, &own);
         let starts = [with_values(&with_kept, &own, &values), current.clone()];
-        from_either(starts, |start| self.approached(start, changes, &FROM_NEAR))
+        from_either(starts, |start| self.approached(start, changes, changes.last()))
     }
 
     /// `current`, which has all of `changes`, about without the `i`th.
@@ -96,7 +92,7 @@ impl<'a> Refits<'a> {
         let mut others = changes.to_vec();
         others.remove(i);
         from_either([start, self.before.twin.clone()], |start| {
-            self.approached(start, &others, &FROM_NEAR)
+            self.approached(start, &others, None)
         })
     }
 
@@ -139,14 +135,19 @@ impl<'a> Refits<'a> {
         Ok(Refitted { twin: twin.clone(), estimates: estimates.collect() })
     }
 
+    /// A fit of what may be another value `around` a change; of all values, if that is none.
     fn approached(
         &self,
         start: &Twin,
         changes: &[Change],
-        stretches: &[f64],
+        around: Option<&Change>,
     ) -> Result<Twin, ServoError> {
-        let free = self.free(start, changes)?;
-        approach(start, &[self.fit], &free, (stretches, &Settings::default()), self.watch)
+        let mut free = self.free(start, changes)?;
+        free.retain(|f| around.is_none_or(|change| is_near(f, change)));
+        if free.is_empty() {
+            return Ok(start.clone());
+        }
+        approach(start, &[self.fit], &free, self.watch)
     }
 
     /// What the twin leaves open, and the parameters of the changes where they act, with their values in `start`. They are
@@ -215,6 +216,14 @@ fn with_kept(twin: &Twin, found: &Twin, own: &[Free]) -> Twin {
 
 fn is_same(a: &Free, b: &Free) -> bool {
     (a.parameter.name, a.joint) == (b.parameter.name, b.joint)
+}
+
+/// Does a value act where the change does? A joint's own hardly move other joints.
+fn is_near(f: &Free, change: &Change) -> bool {
+    let is_of_joint = |effect: &dyn Effect| effect.about().scope == Scope::Joint;
+    let changes_one = find(&change.effect).is_some_and(is_of_joint) && !change.joints.is_empty();
+    let elsewhere = |j: usize| !change.joints.contains(&(j + 1));
+    !(changes_one && is_of_joint(f.effect) && f.joint.is_some_and(elsewhere))
 }
 
 /// Parameters of a change where it acts, with their values in `twin`: one value for all joints in the whole arm.

@@ -24,10 +24,10 @@ pub struct Sieve<'a> {
 /// are beside others is not known.
 const TRIED: usize = 10;
 
-/// Which changes stand, and the twin with them, about.
+/// Which changes stand, and the twin with them.
 pub struct Sifted {
     pub stand: Vec<Stands>,
-    pub twin: Twin,
+    pub mended: Refitted,
     /// What is left along the command of the other recording, each joint, rad.
     errors: Vec<Vec<f64>>,
 }
@@ -50,17 +50,10 @@ impl Sifted {
     }
 
     /// With one more, and others that do as well in its place.
-    fn and(mut self, one: Tried, equals: Vec<usize>) -> Self {
+    fn add(&mut self, index: usize, equals: Vec<usize>) {
         // What looked the same as an earlier one and is there beside it is another.
-        self.stand.iter_mut().for_each(|s| s.equals.retain(|i| *i != one.index));
-        self.stand.push(Stands { index: one.index, equals });
-        Self { twin: one.twin, errors: one.errors, ..self }
-    }
-
-    /// With all but the `i`th.
-    fn but(mut self, i: usize, twin: Twin, errors: Vec<Vec<f64>>) -> Self {
-        self.stand.remove(i);
-        Self { twin, errors, ..self }
+        self.stand.iter_mut().for_each(|s| s.equals.retain(|i| *i != index));
+        self.stand.push(Stands { index, equals });
     }
 }
 
@@ -74,9 +67,9 @@ impl Sieve<'_> {
     /// # Errors
     /// If the twin cannot be fitted or simulated.
     pub fn sift(&self, offers: &[Offer]) -> Result<Sifted, ServoError> {
-        let twin = self.refits.before.twin.clone();
-        let errors = errors(&twin, self.check)?;
-        let mut sifted = Sifted { stand: Vec::new(), twin, errors };
+        let mended = self.refits.before.clone();
+        let errors = errors(&mended.twin, self.check)?;
+        let mut sifted = Sifted { stand: Vec::new(), mended, errors };
         let mut open = self.alone(offers)?;
         for round in 0.. {
             if open.is_empty() {
@@ -91,7 +84,8 @@ impl Sieve<'_> {
             let mut used: Vec<usize> = first.iter().map(|t| t.index).collect();
             if let Some((best, equals)) = self.best(&sifted, tried, offers)? {
                 used = vec![best.index];
-                sifted = sifted.and(best, equals);
+                sifted.add(best.index, equals);
+                self.fit_all(&mut sifted, &best.twin, offers)?;
             }
             let taken = sifted.changes(offers);
             let overlaps = |t: &Tried| taken.iter().any(|c| offers[t.index].change.overlaps(c));
@@ -105,7 +99,7 @@ impl Sieve<'_> {
         while sifted.stand.len() > 1 {
             let changes = sifted.changes(offers);
             let without = |i: usize| -> Result<(usize, Twin, Vec<Vec<f64>>), ServoError> {
-                let twin = self.refits.without(&sifted.twin, &changes, i)?;
+                let twin = self.refits.without(&sifted.mended.twin, &changes, i)?;
                 let errors = errors(&twin, self.check)?;
                 Ok((i, twin, errors))
             };
@@ -117,24 +111,30 @@ impl Sieve<'_> {
             let units = self.units(&sifted.errors);
             let size = |errors: &[Vec<f64>]| summed(errors, &units).iter().sum::<f64>();
             let least = idle.into_iter().min_by(|a, b| size(&a.2).total_cmp(&size(&b.2)));
-            let Some((i, twin, errors)) = least else { break };
-            sifted = sifted.but(i, twin, errors);
+            let Some((i, twin, _)) = least else { break };
+            sifted.stand.remove(i);
+            self.fit_all(&mut sifted, &twin, offers)?;
         }
         Ok(sifted)
     }
 
-    /// `sifted` with values in full, as long as that brings it no further from the recorded position.
-    ///
-    /// # Errors
-    /// If the twin cannot be fitted or simulated.
-    pub fn in_full(&self, sifted: &Twin, changes: &[Change]) -> Result<Refitted, ServoError> {
-        let full = self.refits.all(sifted, changes)?;
-        let [near, mended] = [sifted, &full.twin].map(|twin| errors(twin, self.check));
-        let (near, mended) = (near?, mended?);
-        match self.is_nearer(&mended, &near, 1) {
-            true => self.refits.as_is(sifted, changes, &full),
-            false => Ok(full),
-        }
+    /// All values of what stands, which are near those of a twin, fitted together, as long as that brings it no further from
+    /// the recorded position.
+    fn fit_all(
+        &self,
+        sifted: &mut Sifted,
+        near: &Twin,
+        offers: &[Offer],
+    ) -> Result<(), ServoError> {
+        let changes = sifted.changes(offers);
+        let full = self.refits.all(near, &changes)?;
+        let [as_near, mended] = [near, &full.twin].map(|twin| errors(twin, self.check));
+        let (as_near, mended) = (as_near?, mended?);
+        (sifted.mended, sifted.errors) = match self.is_nearer(&mended, &as_near, 1) {
+            true => (self.refits.as_is(near, &changes, &full)?, as_near),
+            false => (full, mended),
+        };
+        Ok(())
     }
 
     /// Each change alone, fitted to one recording: that with which the other is predicted best comes first. What no search
@@ -167,7 +167,7 @@ impl Sieve<'_> {
         alone: &Tried,
     ) -> Result<Tried, ServoError> {
         let changes = with(&sifted.changes(offers), &offers[alone.index]);
-        let twin = self.refits.beside(&sifted.twin, &changes, &alone.twin)?;
+        let twin = self.refits.beside(&sifted.mended.twin, &changes, &alone.twin)?;
         Ok(Tried { gain: alone.gain, ..self.tried(alone.index, &offers[alone.index], twin)? })
     }
 

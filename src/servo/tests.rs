@@ -117,7 +117,7 @@ fn a_spring_between_motor_and_link_comes_back() {
     let found = identify(&twin, &[&track], &free, &settings, &()).unwrap();
     let compliance = found.estimates[0].value;
     assert!((compliance - 2e-3).abs() < 1e-4, "{:?}", found.estimates);
-    assert_eq!(found.twin.values["joint_hysteresis"], [0.0; 6]);
+    assert_eq!(found.mended.twin.values["joint_hysteresis"], [0.0; 6]);
 }
 
 /// Friction, gain and delay of a servo that its twin has otherwise, from command and position alone.
@@ -268,10 +268,10 @@ fn less_damping_of_a_servo_stands_where_friction_would_have_to_push() {
     ];
     let found = sifted(&format!("{SERVOS}{less}"), "servo_damping", &["viscous"], &changes);
     assert_eq!(found.stand, [Stands { index: 1, equals: vec![] }]);
-    let [own, viscous] = ["servo_damping", "viscous"].map(|name| found.twin.values[name][3]);
+    let [own, viscous] = ["servo_damping", "viscous"].map(|name| found.mended.twin.values[name][3]);
     assert!((own + viscous + 7.1).abs() < 0.7, "{own} {viscous}");
     // No servo drives itself on.
-    let mut twin = found.twin;
+    let mut twin = found.mended.twin;
     twin.drive.servo.as_mut().unwrap().damping[3] = 4.0;
     let damping = free_parameters(&twin, &["servo_damping".to_string()]).unwrap();
     assert_eq!(damping[3].min, -4.0);
@@ -291,7 +291,7 @@ fn a_contact_that_lasts_a_while_stands() {
     let found = sifted(&format!("{SERVOS}{push}"), "external_contact", &[], &changes);
     assert_eq!(found.stand, [Stands { index: 1, equals: vec![] }]);
     for (name, wanted) in [("contact_x", 20.0), ("contact_z", -60.0), ("contact_start", 2.5)] {
-        let value = found.twin.values[name][0];
+        let value = found.mended.twin.values[name][0];
         assert!((value - wanted).abs() < 5.0, "{name}: {value}");
     }
 }
@@ -309,7 +309,7 @@ fn of_changes_stands_what_brings_another_motion_nearer() {
     ];
     let found = sifted(&format!("{SERVOS}{load}"), "payload", &[], &changes);
     assert_eq!(found.stand, [Stands { index: 1, equals: vec![] }]);
-    let mended = found.twin;
+    let mended = found.mended.twin;
     assert!((mended.values["payload_mass"][0] - 2.0).abs() < 0.2, "{:?}", mended.values);
     let (truth, fit) = by_rapier(&format!("{SERVOS}{load}"));
     let twin = without(&truth, "payload");

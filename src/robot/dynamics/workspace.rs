@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::robot::{Inertia, Robot};
 use crate::robot::spatial::{Force, Motion, Transform};
+use crate::robot::{Inertia, Robot};
 
 /// Holds nothing between calls; make one per thread. Fits every robot of the same size.
 #[derive(Debug, Clone)]
