@@ -117,7 +117,7 @@ fn a_spring_between_motor_and_link_comes_back() {
     let found = identify(&twin, &[&track], &free, &settings, &()).unwrap();
     let compliance = found.estimates[0].value;
     assert!((compliance - 2e-3).abs() < 1e-4, "{:?}", found.estimates);
-    assert_eq!(found.mended.twin.values["joint_hysteresis"], [0.0; 6]);
+    assert_eq!(found.twin.values["joint_hysteresis"], [0.0; 6]);
 }
 
 /// Friction, gain and delay of a servo that its twin has otherwise, from command and position alone.
