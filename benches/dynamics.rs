@@ -3,11 +3,12 @@
 use std::hint::black_box;
 
 use armtwin::robot::{
-    Workspace, body_regressor_series, builtin, forward_dynamics, inverse_dynamics,
-    inverse_dynamics_series, mass_matrix,
+    Workspace, body_regressor_series, builtin, equation_of_motion, forward_dynamics,
+    inverse_dynamics, inverse_dynamics_series, mass_matrix,
 };
 use armtwin::series::JointSeries;
 use criterion::{Criterion, criterion_group, criterion_main};
+use nalgebra::DMatrix;
 
 const Q: [f64; 6] = [0.3, -1.2, 0.8, 2.0, -0.7, 1.9];
 const QD: [f64; 6] = [1.0, -0.5, 0.7, 2.0, -1.7, 0.9];
@@ -30,6 +31,13 @@ fn single_calls(c: &mut Criterion) {
         })
     });
     c.bench_function("mass matrix", |b| b.iter(|| mass_matrix(&robot, &mut ws, &black_box(Q))));
+    let mut m = DMatrix::zeros(6, 6);
+    c.bench_function("mass matrix and forces", |b| {
+        b.iter(|| {
+            equation_of_motion(&robot, &mut ws, [&black_box(Q), &QD], &mut m, &mut out);
+            out
+        })
+    });
 }
 
 fn series(c: &mut Criterion) {

@@ -148,6 +148,19 @@ fn kinetic_energy_is_the_quadratic_form_of_the_mass_matrix() {
     }
 }
 
+/// Both at once, into a matrix that held something else.
+#[test]
+fn the_equation_of_motion_is_the_mass_matrix_beside_the_torque_of_no_acceleration() {
+    for seed in SEEDS {
+        let mut s = State::random(seed);
+        let (mass, torque) = (s.mass(), s.tau(&[0.0; 7]));
+        let (mut m, mut bias) = (DMatrix::from_element(7, 7, 1e3), vec![0.0; 7]);
+        equation_of_motion(&s.robot, &mut s.ws, [&s.q, &s.qd], &mut m, &mut bias);
+        assert_eq!(m, mass);
+        assert_close(&DVector::from_vec(bias), &torque, 1e-12);
+    }
+}
+
 /// Without drive the power qd . (C qd) equals 1/2 qd . dM/dt qd: dM/dt - 2 C does no work.
 #[test]
 fn coriolis_forces_do_no_work_beyond_the_change_of_the_mass_matrix() {
