@@ -70,6 +70,8 @@ const STRETCHES: [f64; 3] = [0.1, 1.0, 1.0];
 /// where values are compared that differ by more.
 const CLOSE: f64 = 1e-4;
 const ABOUT: f64 = 1e-3;
+/// Evaluations of a search for values that are compared: with exact columns what fits is found in half of them.
+const FEW: usize = 40;
 /// Sums of neighbouring rows whose correlation is looked at: every pair of them is.
 const MOST_BINS: usize = 2000;
 /// Shortest recording, s.
@@ -113,7 +115,7 @@ pub fn approach(
     free: &[Free],
     watch: &dyn Watch,
 ) -> Result<Twin, ServoError> {
-    let settings = &Settings::default();
+    let settings = &Settings { max_evaluations: FEW, ..Settings::default() };
     let mut problem = posed(twin, tracks, free, settings)?;
     gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
     problem.counts_independent = true;
