@@ -49,8 +49,7 @@ pub fn invert(a: &mut DMatrix<f64>) {
     let n = a.nrows();
     for k in 0..n {
         let pivot = std::mem::replace(&mut a[(k, k)], 1.0);
-        // Neither is NaN.
-        if !(pivot > 0.0) {
+        if pivot.is_nan() || pivot <= 0.0 {
             return a.fill(0.0);
         }
         let (before, rest) = a.as_mut_slice().split_at_mut(k * n);
