@@ -109,8 +109,8 @@ impl Sieve<'_> {
             let among = |i: usize| offers[sifted.stand[i].index].among;
             idle.retain(|(i, _, without)| !self.is_nearer(without, &sifted.errors, among(*i)));
             let units = self.units(&sifted.errors);
-            let size = |errors: &[Vec<f64>]| summed(errors, &units).iter().sum::<f64>();
-            let least = idle.into_iter().min_by(|a, b| size(&a.2).total_cmp(&size(&b.2)));
+            let least =
+                idle.into_iter().min_by(|a, b| size(&a.2, &units).total_cmp(&size(&b.2, &units)));
             let Some((i, twin, _)) = least else { break };
             sifted.stand.remove(i);
             self.fit_all(&mut sifted, &twin, offers)?;
@@ -143,14 +143,13 @@ impl Sieve<'_> {
         let before = errors(&self.refits.none()?, self.check)?;
         let units = self.units(&before);
         // Of a twin that runs away as given everything takes off as much.
-        let size = |errors: &[Vec<f64>]| summed(errors, &units).iter().sum::<f64>();
-        let given = size(&before).min(f64::MAX);
+        let given = size(&before, &units).min(f64::MAX);
         let (done, count) = (AtomicU64::new(0), offers.len() as u64);
         let tell = |done| self.refits.watch.tell("fitting by simulation, cause", done, count);
         let of = |(index, offer): (usize, &Offer)| -> Result<Tried, ServoError> {
             let tried = self.tried(index, offer, self.refits.alone(&offer.change)?)?;
             tell(1 + done.fetch_add(1, Ordering::Relaxed));
-            Ok(Tried { gain: given - size(&tried.errors), ..tried })
+            Ok(Tried { gain: given - size(&tried.errors, &units), ..tried })
         };
         let mut all: Vec<Tried> =
             offers.par_iter().enumerate().map(of).collect::<Result<_, _>>()?;
@@ -216,7 +215,7 @@ impl Sieve<'_> {
     fn nearest(&self, mut tried: Vec<Tried>) -> Vec<Tried> {
         let Some(first) = tried.first() else { return tried };
         let units = self.units(&first.errors);
-        let size = |t: &&Tried| summed(&t.errors, &units).iter().sum::<f64>();
+        let size = |t: &Tried| size(&t.errors, &units);
         let nearest = tried.iter().min_by(|a, b| size(a).total_cmp(&size(b)));
         let nearest = nearest.map(|t| t.errors.clone()).unwrap_or_default();
         tried.retain(|t| !self.is_nearer(&t.errors, &nearest, 1));
@@ -271,6 +270,11 @@ fn errors(twin: &Twin, track: &Track) -> Result<Vec<Vec<f64>>, ServoError> {
         }
         Err(other) => Err(other),
     }
+}
+
+/// Errors of all joints together, each in units of its own.
+fn size(errors: &[Vec<f64>], units: &[f64]) -> f64 {
+    summed(errors, units).iter().sum()
 }
 
 /// Share of a square that is taken off.

@@ -17,8 +17,8 @@ pub fn mass_matrix(robot: &Robot, ws: &mut Workspace, q: &[f64]) -> DMatrix<f64>
     m
 }
 
-/// M(q) into `m` (as [`mass_matrix`]) and C(q, qd) qd + g(q), N.m, into `bias`: each joint is turned once for both.
-/// Does not allocate.
+/// M(q) into `m` (`dof` x `dof`, as [`mass_matrix`]) and C(q, qd) qd + g(q) into `bias` (`dof` values, N.m; Featherstone
+/// 2008, section 6.1): each joint is turned once for both. Does not allocate.
 pub fn equation_of_motion(
     robot: &Robot,
     ws: &mut Workspace,

@@ -32,7 +32,7 @@ pub(super) struct Articulated {
     pub translational: Matrix3<f64>,
 }
 
-/// Bodies that move as one, about their frame's origin: a fifth of the numbers of [`Articulated`].
+/// Bodies that move as one, about their frame's origin: half the numbers of [`Articulated`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Composite {
     /// kg
@@ -127,8 +127,8 @@ impl Composite {
         Force { moment: self.rotational * axis, force: axis.cross(&self.moments) }
     }
 
-    /// X^T I X: the same bodies in the parent's coordinates, h' = E^T h + m r and
-    /// I' = E^T I E + r.(E^T h + h') 1 - r h'^T - E^T h r^T (eq. 2.66).
+    /// X^T I X: the same bodies in the parent's coordinates, h' = E^T h + m r and, by the parallel axis theorem,
+    /// I' = E^T I E + r.(E^T h + h') 1 - r h'^T - E^T h r^T.
     #[inline]
     pub fn in_parent(&self, x: &Transform) -> Self {
         let turned = x.e.tr_mul(&self.moments);
