@@ -2,7 +2,7 @@
 //!
 //! F acts on the arm at the flange's origin, in base axes.
 
-use nalgebra::{Matrix3xX, Vector3};
+use nalgebra::{DVector, Matrix3xX, Vector3};
 
 use super::flange::torque_per_force;
 use super::{
@@ -135,11 +135,12 @@ impl Effect for ExternalContact {
     }
 
     fn act(&self, values: &[f64], state: &JointState<'_>, _: &mut [f64], load: &mut JointLoad) {
-        let ArmState { robot, time, q, .. } = state.arm;
-        if let Some(per_force) = touched(robot, q, *time, &values[3..]) {
-            let at_joint = per_force.fixed_view::<3, 1>(0, state.joint);
-            load.torque += at_joint.dot(&Vector3::new(values[0], values[1], values[2]));
-        }
+        load.torque += torque(values, state.arm).map_or(0.0, |torque| torque[state.joint]);
+    }
+
+    fn act_on_arm(&self, values: &[f64], arm: &ArmState<'_>, loads: &mut [JointLoad]) {
+        let Some(torque) = torque(values, arm) else { return };
+        loads.iter_mut().zip(&torque).for_each(|(load, torque)| load.torque += torque);
     }
 
     fn worked(&self) -> Option<Worked> {
@@ -155,6 +156,12 @@ impl Effect for ExternalContact {
     fn round_trip(&self) -> Option<RoundTrip> {
         Some(RoundTrip::fitted(&["contact_z"]))
     }
+}
+
+/// N.m at every joint; `None` where nothing touches.
+fn torque(values: &[f64], arm: &ArmState<'_>) -> Option<DVector<f64>> {
+    let force = Vector3::new(values[0], values[1], values[2]);
+    Some(touched(arm.robot, arm.q, arm.time, &values[3..])?.tr_mul(&force))
 }
 
 /// N.m at every joint (columns) per N along x, y, z (rows); `None` where nothing touches.

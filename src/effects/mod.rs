@@ -411,6 +411,13 @@ pub trait Effect: Sync {
     ) {
     }
 
+    /// Inject, an effect of the whole arm: [`act`](Effect::act) at every joint at once.
+    fn act_on_arm(&self, values: &[f64], arm: &ArmState<'_>, loads: &mut [JointLoad]) {
+        for (j, load) in loads.iter_mut().enumerate() {
+            self.act(values, &arm.joint(j), &mut [], load);
+        }
+    }
+
     /// Inject: what changes in the mechanism before the first step. Called once per joint that
     /// has the effect; for an effect on the whole arm once, with `joint` 0.
     fn build(&self, _values: &[f64], _joint: usize, _mechanism: &mut Mechanism) {}

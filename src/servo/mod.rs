@@ -6,6 +6,7 @@
 //! output error over stretches that begin in measured states, [`PositionGap`] says what is left. [`linearised`]
 //! hands what a simulation leaves of recorded positions to the diagnosis, beside its sensitivities.
 
+mod arm;
 mod diagnose;
 mod error;
 mod fit;
@@ -19,6 +20,7 @@ mod refit;
 mod replay;
 mod sift;
 mod stick;
+mod tangent;
 #[cfg(test)]
 mod tests;
 mod track;

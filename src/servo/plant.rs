@@ -11,53 +11,45 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::ServoError;
-use super::stick;
+use super::arm::{Arm, Asked, State};
+use super::replay::Led;
 use super::wound::{self, Wound};
-use crate::effects::{ArmState, JointLoad, Mechanism};
-use crate::resimulation::injections;
-use crate::robot::{Servo, Workspace, equation_of_motion, gravity_torque, inverse_dynamics};
-use crate::simulation::Injections;
+use super::{ServoError, Track, stick};
+use crate::robot::{Workspace, equation_of_motion, gravity_torque, inverse_dynamics};
 use crate::twin::Twin;
 
 /// Faster than this no servo turns, rad/s.
 const RUNAWAY_RAD_S: f64 = 1e3;
 
 /// The arm of a twin with all that the twin knows of it.
+#[derive(Clone)]
 pub struct Plant {
-    mechanism: Mechanism,
-    servo: Servo,
-    effects: Injections,
+    pub(super) arm: Arm,
     workspace: Workspace,
-    /// s since the start of the recording.
-    time: f64,
-    temperature: Vec<f64>,
-    /// Motors, rad and rad/s.
-    q: Vec<f64>,
-    v: Vec<f64>,
+    pub(super) state: State,
     /// Links, rad and rad/s: those of the motors where nothing gives way.
     link_q: Vec<f64>,
     link_v: Vec<f64>,
     wound: Vec<Wound>,
-    transmitted: Vec<f64>,
-    loads: Vec<JointLoad>,
+    asked: Vec<Asked>,
     impulses: Vec<f64>,
     bias: Vec<f64>,
     still: Vec<f64>,
     yields: Vec<Yield>,
-    step: Step,
+    pub(super) step: Step,
 }
 
 /// Scratch memory of a step: motors first, then wind-ups.
-struct Step {
+#[derive(Clone)]
+pub(super) struct Step {
     /// Mass matrix of the links, kg.m2.
-    links: DMatrix<f64>,
+    pub links: DMatrix<f64>,
     /// The equation of the step, before transmissions carry anything: A, b, and the largest impulses of dry friction.
-    a: DMatrix<f64>,
+    pub a: DMatrix<f64>,
     b: DVector<f64>,
     limit: Vec<f64>,
     /// The inverse of A, and b, with what transmissions carry.
-    inverse: DMatrix<f64>,
+    pub inverse: DMatrix<f64>,
     coupled: DVector<f64>,
     /// Speeds before, then after it, rad/s.
     v: Vec<f64>,
@@ -99,24 +91,17 @@ impl Plant {
     /// # Errors
     /// If the twin has no servos, or a motor without a rotor drives a joint that gives way.
     pub fn new(twin: &Twin, start_s: f64) -> Result<Self, ServoError> {
-        let assumed = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
-        let mechanism = twin.mechanism(|_| true);
-        let wound = Wound::all(&mechanism)?;
+        let arm = Arm::new(twin, start_s)?;
+        let wound = arm.wound()?;
         let dof = twin.robot.dof();
         let zeros = || vec![0.0; dof];
         Ok(Self {
-            servo: mechanism.servos(assumed),
-            effects: Injections::new(&injections(twin, start_s)),
-            workspace: Workspace::new(&mechanism.robot),
-            mechanism,
-            time: 0.0,
-            temperature: vec![USUAL_C; dof],
-            q: zeros(),
-            v: zeros(),
+            workspace: Workspace::new(arm.robot()),
+            arm,
+            state: State::new(dof),
             link_q: zeros(),
             link_v: zeros(),
-            transmitted: zeros(),
-            loads: vec![JointLoad::default(); dof],
+            asked: vec![Asked::default(); dof],
             impulses: vec![0.0; dof + wound.len()],
             step: Step::new(dof, wound.len()),
             wound,
@@ -126,32 +111,34 @@ impl Plant {
         })
     }
 
-    /// The servos as they are.
-    pub fn servo(&self) -> &Servo {
-        &self.servo
-    }
-
     /// Puts the joints at `q` (rad, as the encoders show it) moving at `v` (rad/s), `time` s after the start; what
     /// gives way hangs at rest under the links' weight.
     pub fn set_state(&mut self, time: f64, q: &[f64], v: &[f64]) {
-        self.time = time;
-        for (j, zero) in self.mechanism.encoder_zero.iter().enumerate() {
-            self.q[j] = q[j] - zero;
+        self.state.time = time;
+        for (j, zero) in self.arm.mechanism.encoder_zero.iter().enumerate() {
+            self.state.q[j] = q[j] - zero;
         }
-        self.v.copy_from_slice(v);
+        self.state.v.copy_from_slice(v);
         self.impulses.fill(0.0);
-        self.effects.forget();
-        let robot = &self.mechanism.robot;
-        gravity_torque(robot, &mut self.workspace, &self.q, &mut self.transmitted);
-        self.wound.iter_mut().for_each(|w| w.hang(self.transmitted[w.joint]));
+        self.arm.forget();
+        let robot = self.arm.robot();
+        gravity_torque(robot, &mut self.workspace, &self.state.q, &mut self.state.transmitted);
+        self.wound.iter_mut().for_each(|w| w.hang(self.state.transmitted[w.joint]));
         self.place_links();
-        let (robot, q, v) = (&self.mechanism.robot, &self.link_q, &self.link_v);
-        inverse_dynamics(robot, &mut self.workspace, q, v, &self.still, &mut self.transmitted);
+        let (robot, q, v) = (self.arm.robot(), &self.link_q, &self.link_v);
+        inverse_dynamics(
+            robot,
+            &mut self.workspace,
+            q,
+            v,
+            &self.still,
+            &mut self.state.transmitted,
+        );
     }
 
     fn place_links(&mut self) {
-        self.link_q.copy_from_slice(&self.q);
-        self.link_v.copy_from_slice(&self.v);
+        self.link_q.copy_from_slice(&self.state.q);
+        self.link_v.copy_from_slice(&self.state.v);
         for wound in &self.wound {
             self.link_q[wound.joint] -= wound.angle;
             self.link_v[wound.joint] -= wound.rate;
@@ -160,17 +147,17 @@ impl Plant {
 
     /// Joints are so warm from now on, deg C.
     pub fn set_temperature(&mut self, celsius: &[f64]) {
-        self.temperature.copy_from_slice(celsius);
+        self.state.temperature.copy_from_slice(celsius);
     }
 
     /// rad, as the encoder of joint `j` shows it.
     pub fn shown(&self, j: usize) -> f64 {
-        self.q[j] + self.mechanism.encoder_zero[j]
+        self.state.q[j] + self.arm.mechanism.encoder_zero[j]
     }
 
     /// rad/s of joint `j`
     pub fn speed(&self, j: usize) -> f64 {
-        self.v[j]
+        self.state.v[j]
     }
 
     /// How joint `j` gave way in the last step.
@@ -178,50 +165,50 @@ impl Plant {
         self.yields[j]
     }
 
-    /// One step of `h` s: servos of `gain` N.m/rad (0 while one is off) are told `command` (rad).
-    pub fn step(&mut self, h: f64, command: &[f64], gain: &[f64]) {
-        let dof = self.q.len();
-        let robot = &self.mechanism.robot;
-        let state = ArmState {
-            robot,
-            time: self.time,
-            dt: h,
-            q: &self.q,
-            qd: &self.v,
-            transmitted: &self.transmitted,
-            temperature: &self.temperature,
-        };
-        self.effects.loads(&state, &mut self.loads);
+    /// What was asked of every joint in the last step.
+    pub(super) fn asked(&self) -> &[Asked] {
+        &self.asked
+    }
+
+    /// Nothing gives way, and nothing that acts depends on what happened before: the state is positions and velocities.
+    pub(super) fn is_plain(&self) -> bool {
+        self.wound.is_empty() && !self.arm.remembers()
+    }
+
+    /// One step of `h` s with what the servos have heard.
+    pub fn step(&mut self, h: f64) {
+        self.arm.ask(&self.state, h, &mut self.asked);
+        self.pose(h);
+        self.find_speeds(h);
+        self.advance(h);
+    }
+
+    /// The equation of the step.
+    fn pose(&mut self, h: f64) {
+        let dof = self.state.q.len();
         let Step { links, a, b, limit, v, .. } = &mut self.step;
         let state = [&self.link_q[..], &self.link_v];
-        equation_of_motion(robot, &mut self.workspace, state, links, &mut self.bias);
+        equation_of_motion(self.arm.robot(), &mut self.workspace, state, links, &mut self.bias);
         wound::with_wind_ups(links, &self.wound, a);
-        (0..dof).for_each(|j| a[(j, j)] += self.mechanism.armature[j]);
-        v[..dof].copy_from_slice(&self.v);
+        (0..dof).for_each(|j| a[(j, j)] += self.arm.mechanism.armature[j]);
+        v[..dof].copy_from_slice(&self.state.v);
         v[dof..].iter_mut().zip(&self.wound).for_each(|(v, w)| *v = w.rate);
         stick::product(a, v, b.as_mut_slice());
-        for i in 0..dof {
-            let on = if gain[i] > 0.0 { 1.0 } else { 0.0 };
-            let damping = self.loads[i].damping + on * self.servo.damping[i];
-            let shown = self.q[i] + self.mechanism.encoder_zero[i];
-            let [pull, slope] = self.servo.pull(i, gain[i], command[i] - shown);
-            let dry = self.loads[i].dry + self.servo.friction[i] * pull.abs();
+        for (i, asked) in self.asked.iter().enumerate() {
+            let Asked { torque, damping, dry, slope } = *asked;
             limit[i] = h * dry.max(0.0);
             self.yields[i] = Yield { inertia: a[(i, i)], damping, slope, slides: true };
-            let torque = pull - self.bias[i] - self.loads[i].torque;
-            b[i] += h * torque - 0.5 * h * damping * self.v[i];
+            b[i] -= h * (self.bias[i] + torque) + 0.5 * h * damping * self.state.v[i];
             a[(i, i)] += 0.5 * h * damping;
         }
         for (i, wound) in self.wound.iter().enumerate() {
             b[dof + i] += h * self.bias[wound.joint];
         }
-        self.find_speeds(h);
-        self.advance(h);
     }
 
     /// Speeds of motors and wind-ups after a step, with whichever teeth touch in it.
     fn find_speeds(&mut self, h: f64) {
-        let dof = self.q.len();
+        let dof = self.state.q.len();
         let Step { a, b, limit, inverse, coupled, v, .. } = &mut self.step;
         for _ in 0..wound::TRIES {
             inverse.copy_from(a);
@@ -238,24 +225,24 @@ impl Plant {
     }
 
     fn advance(&mut self, h: f64) {
-        let dof = self.q.len();
+        let dof = self.state.q.len();
         self.step.link_v.copy_from_slice(&self.link_v);
         for (wound, rate) in self.wound.iter_mut().zip(&self.step.v[dof..]) {
             wound.advance(h, *rate);
         }
         for (j, v) in self.step.v[..dof].iter().enumerate() {
-            self.v[j] = *v;
-            self.q[j] += h * v;
+            self.state.v[j] = *v;
+            self.state.q[j] += h * v;
             self.yields[j].slides = *v != 0.0;
         }
         self.place_links();
         let Step { links, link_v: gained, .. } = &mut self.step;
         gained.iter_mut().zip(&self.link_v).for_each(|(before, now)| *before = now - *before);
-        stick::product(links, gained, &mut self.transmitted);
-        for (carried, bias) in self.transmitted.iter_mut().zip(&self.bias) {
+        stick::product(links, gained, &mut self.state.transmitted);
+        for (carried, bias) in self.state.transmitted.iter_mut().zip(&self.bias) {
             *carried = bias + *carried / h;
         }
-        self.time += h;
+        self.state.time += h;
     }
 
     /// # Errors
@@ -263,10 +250,18 @@ impl Plant {
     pub fn check(&self) -> Result<(), ServoError> {
         let mut states = self.link_q.iter().zip(&self.link_v);
         let wild = states.position(|(q, v)| !(q.is_finite() && v.abs() < RUNAWAY_RAD_S));
-        let time_s = self.time;
+        let time_s = self.state.time;
         wild.map_or(Ok(()), |j| Err(ServoError::Diverged { joint: j + 1, time_s }))
     }
 }
 
-/// Temperature at which friction holds as it stands, where none is recorded, deg C.
-const USUAL_C: f64 = 25.0;
+impl Led for Plant {
+    fn plant(&mut self) -> &mut Plant {
+        self
+    }
+
+    fn follow(&mut self, h: f64, track: &Track, k: usize, place: f64) {
+        self.arm.hear(track, k, place);
+        self.step(h);
+    }
+}

@@ -3,9 +3,10 @@
 //!
 //! Stretches make the error local: it forgets its begin within a servo's time constant, and no error of one
 //! stretch reaches the next (multiple shooting with the measured states for its nodes: Bock, *Recent advances
-//! in parameter identification techniques for O.D.E.*, 1983). Columns of the Jacobian are differences between
-//! simulations, all stretches and parameters at once over the machine's cores: links of small arms move each other, and
-//! a search by sensitivity equations of single joints ends where nothing is.
+//! in parameter identification techniques for O.D.E.*, 1983). Columns of the Jacobian are tangents of the
+//! simulation ([`super::tangent`]), or differences between simulations where the arm has none, all stretches at once
+//! over the machine's cores. All joints are in them: links of small arms move each other, and a search
+//! by sensitivity equations of single joints ends where nothing is.
 
 use std::ops::Range;
 
@@ -13,6 +14,7 @@ use rayon::prelude::*;
 
 use super::parameters::{Free, with_values};
 use super::replay::lead;
+use super::tangent::Tangent;
 use super::{Plant, Track};
 use crate::identification::levenberg_marquardt::Residuals;
 use crate::regression::bounds::Bounds;
@@ -119,10 +121,11 @@ impl<'a> Problem<'a> {
     }
 
     /// Errors of all stretches, joint after joint.
-    fn joined(&self, stretches: &[Vec<f64>]) -> Vec<f64> {
+    fn joined<S: AsRef<[f64]>>(&self, stretches: &[S]) -> Vec<f64> {
         let dof = self.weights.len();
-        let of =
-            |j: usize| stretches.iter().flat_map(move |s| s.iter().skip(j).step_by(dof).copied());
+        let of = |j: usize| {
+            stretches.iter().flat_map(move |s| s.as_ref().iter().skip(j).step_by(dof).copied())
+        };
         (0..dof).flat_map(of).collect()
     }
 
@@ -154,14 +157,9 @@ impl Residuals for Problem<'_> {
     }
 
     fn jacobian(&self, x: &[f64], r: &[f64], bounds: &Bounds) -> Vec<Vec<f64>> {
-        let step = |i: usize| {
-            let free = &self.free[i];
-            let usual = free.usual().min(1.0);
-            let size = RELATIVE_STEP * x[i].abs().max(SMALL * usual);
-            if x[i] + size > bounds.upper(i) { -size } else { size }
-        };
-        let steps: Vec<f64> = (0..x.len()).map(step).collect();
-        let mut columns = self.differences(x, r, &steps);
+        let steps = self.steps(x, bounds);
+        let mut columns =
+            self.tangents(x, &steps).unwrap_or_else(|| self.differences(x, r, &steps));
         for (i, column) in columns.iter_mut().enumerate() {
             let expected =
                 |k: usize| if k == i { self.prior_weight / self.free[k].spread } else { 0.0 };
@@ -172,19 +170,75 @@ impl Residuals for Problem<'_> {
 }
 
 impl Problem<'_> {
-    /// Columns by differences between simulations.
-    fn differences(&self, x: &[f64], r: &[f64], steps: &[f64]) -> Vec<Vec<f64>> {
+    /// Steps of differences by the values.
+    pub(super) fn steps(&self, x: &[f64], bounds: &Bounds) -> Vec<f64> {
+        let step = |i: usize| {
+            let usual = self.free[i].usual().min(1.0);
+            let size = RELATIVE_STEP * x[i].abs().max(SMALL * usual);
+            if x[i] + size > bounds.upper(i) { -size } else { size }
+        };
+        (0..x.len()).map(step).collect()
+    }
+
+    /// Columns by the tangent of the simulation, where it has one; those of what cannot be simulated are not finite.
+    pub(super) fn tangents(&self, x: &[f64], steps: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let of = |track: &&Track| self.tangent(track, x, steps);
+        let of_tracks: Vec<Tangent> = self.tracks.iter().map(of).collect::<Option<_>>()?;
+        let of = |(i, stretch): &(usize, Range<usize>)| {
+            self.tangent_errors(of_tracks[*i].clone(), self.tracks[*i], stretch)
+        };
+        let stretches: Vec<Vec<Vec<f64>>> = self.stretches.par_iter().map(of).collect();
+        let column = |i: usize| {
+            let parts: Vec<&[f64]> = stretches.iter().map(|s| &s[i][..]).collect();
+            self.weighted(self.joined(&parts))
+        };
+        Some((0..x.len()).map(column).collect())
+    }
+
+    fn tangent(&self, track: &Track, x: &[f64], steps: &[f64]) -> Option<Tangent> {
+        let plant = |x: &[f64]| Plant::new(&with_values(self.twin, self.free, x), track.start).ok();
+        let moved = |(x, step): (Vec<f64>, &f64)| Some((plant(&x)?, *step));
+        let moved = self.moved(x, steps).into_iter().zip(steps).map(moved);
+        Tangent::new(plant(x)?, &moved.collect::<Option<Vec<_>>>()?)
+    }
+
+    /// How the errors of a stretch change with each value.
+    fn tangent_errors(
+        &self,
+        mut tangent: Tangent,
+        track: &Track,
+        stretch: &Range<usize>,
+    ) -> Vec<Vec<f64>> {
+        let (dof, count) = (self.weights.len(), stretch.len() * self.weights.len());
+        let mut columns = vec![Vec::with_capacity(count); self.free.len()];
+        let done = lead(&mut tangent, track, stretch, |tangent| {
+            for (i, column) in columns.iter_mut().enumerate() {
+                column.extend((0..dof).map(|j| tangent.shown(j, i)));
+            }
+        });
+        if done.is_err() {
+            columns.iter_mut().for_each(|c| *c = vec![f64::INFINITY; count]);
+        }
+        columns
+    }
+
+    /// `x` with one value a step further, each of them.
+    fn moved(&self, x: &[f64], steps: &[f64]) -> Vec<Vec<f64>> {
         let moved = |(i, step): (usize, &f64)| {
             let mut x = x.to_vec();
             x[i] += step;
             x
         };
-        let sets: Vec<Vec<f64>> = steps.iter().enumerate().map(moved).collect();
+        steps.iter().enumerate().map(moved).collect()
+    }
+
+    /// Columns by differences between simulations.
+    pub(super) fn differences(&self, x: &[f64], r: &[f64], steps: &[f64]) -> Vec<Vec<f64>> {
         let column = |(stretches, step): (Vec<Vec<f64>>, &f64)| {
             let mut column = self.weighted(self.joined(&stretches));
             column.iter_mut().zip(r).for_each(|(c, r)| *c = (*c - r) / step);
             column
         };
-        self.simulated(&sets).into_iter().zip(steps).map(column).collect()
+        self.simulated(&self.moved(x, steps)).into_iter().zip(steps).map(column).collect()
     }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::{Plant, ServoError, Track};
-use crate::series::{JointSeries, at_place};
+use crate::series::JointSeries;
 use crate::signals::LONGEST_STEP_S;
 use crate::twin::Twin;
 
@@ -38,40 +38,42 @@ pub fn replay(
     Ok(q)
 }
 
-/// Leads the arm through a stretch from the measured state at its begin; `see` is called at every sample.
-pub(super) fn lead(
-    plant: &mut Plant,
+/// What is led along a recording: an arm, and whatever goes along with it.
+pub(super) trait Led {
+    fn plant(&mut self) -> &mut Plant;
+
+    /// The plant has been put where a stretch begins.
+    fn begin(&mut self) {}
+
+    /// One step of `h` s with what was told at sample `k`, and between it and the next at `place`.
+    fn follow(&mut self, h: f64, track: &Track, k: usize, place: f64);
+}
+
+/// Leads an arm through a stretch from the measured state at its begin; `see` is called at every sample.
+pub(super) fn lead<L: Led>(
+    led: &mut L,
     track: &Track,
     stretch: &Range<usize>,
-    mut see: impl FnMut(&Plant),
+    mut see: impl FnMut(&L),
 ) -> Result<(), ServoError> {
-    let dof = track.joints();
     let steps = (track.dt / LONGEST_STEP_S).ceil().max(1.0);
     let h = track.dt / steps;
     let at = |series: &JointSeries, k: usize| -> Vec<f64> {
-        (0..dof).map(|j| series.joint(j)[k]).collect()
+        (0..track.joints()).map(|j| series.joint(j)[k]).collect()
     };
-    let first = stretch.start;
+    let (first, plant) = (stretch.start, led.plant());
     plant.set_state(first as f64 * track.dt, &at(&track.smooth_q, first), &at(&track.qd, first));
-    see(plant);
-    let late: Vec<f64> = plant.servo().delay.iter().map(|d| d / track.dt).collect();
-    let (mut command, mut gain) = (vec![0.0; dof], vec![0.0; dof]);
+    led.begin();
+    see(led);
     for k in first..stretch.end - 1 {
         if let Some(temperature) = &track.temperature {
-            plant.set_temperature(&at(temperature, k));
-        }
-        for (j, gain) in gain.iter_mut().enumerate() {
-            *gain = track.factor.joint(j)[k] * plant.servo().gain[j];
+            led.plant().set_temperature(&at(temperature, k));
         }
         for step in 0..steps as usize {
-            let now = k as f64 + step as f64 / steps;
-            for (j, command) in command.iter_mut().enumerate() {
-                *command = at_place(track.command.joint(j), now - late[j]);
-            }
-            plant.step(h, &command, &gain);
+            led.follow(h, track, k, k as f64 + step as f64 / steps);
         }
-        plant.check()?;
-        see(plant);
+        led.plant().check()?;
+        see(led);
     }
     Ok(())
 }

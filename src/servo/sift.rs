@@ -60,7 +60,7 @@ impl Sifted {
 impl Sieve<'_> {
     /// Which of the changes that are offered, the most plausible first, take something sure off the simulated position's
     /// error along the command of `check`, taken up one after the other: each time that with which it comes nearest beside
-    /// what there is already; of what comes as near the most plausible, and the others like that are its equals. Many
+    /// what there is already; of what takes off as much the most plausible, and the others like that are its equals. Many
     /// values always follow the recording better that they are fitted to: that tells nothing. In the end each has to
     /// take something off beside all others.
     ///
@@ -82,7 +82,7 @@ impl Sieve<'_> {
             let first = &open[..open.len().min(TRIED)];
             let tried: Vec<Tried> = first.par_iter().map(beside).collect::<Result<_, _>>()?;
             let mut used: Vec<usize> = first.iter().map(|t| t.index).collect();
-            if let Some((best, equals)) = self.best(&sifted, tried, offers)? {
+            if let Some((best, equals)) = self.best(&sifted, tried, offers) {
                 used = vec![best.index];
                 sifted.add(best.index, equals);
                 self.fit_all(&mut sifted, &best.twin, offers)?;
@@ -183,42 +183,35 @@ impl Sieve<'_> {
         sifted: &Sifted,
         mut tried: Vec<Tried>,
         offers: &[Offer],
-    ) -> Result<Option<(Tried, Vec<usize>)>, ServoError> {
+    ) -> Option<(Tried, Vec<usize>)> {
         // What fits only at the end of its range is no cause.
         let stands = |t: &Tried| {
             let among = offers[t.index].among;
             !t.at_bound && self.is_nearer(&sifted.errors, &t.errors, among)
         };
         tried.retain(stands);
-        let mut nearest = self.nearest(tried);
-        if nearest.len() > 1 {
-            // Of rivals the last bit counts.
-            let in_full = |t: &Tried| {
-                let offer = &offers[t.index];
-                let changes = with(&sifted.changes(offers), offer);
-                let twin = self.refits.all(&t.twin, &changes)?.twin;
-                Ok(Tried { gain: t.gain, ..self.tried(t.index, offer, twin)? })
-            };
-            nearest = nearest.par_iter().map(in_full).collect::<Result<_, ServoError>>()?;
-            nearest.retain(stands);
-            nearest = self.nearest(nearest);
-        }
+        let mut nearest = self.nearest(&sifted.errors, tried);
         nearest.sort_by_key(|t| t.index);
         let mut nearest = nearest.into_iter();
-        let Some(first) = nearest.next() else { return Ok(None) };
+        let first = nearest.next()?;
         let meets = |t: &Tried| offers[t.index].change.meets(&offers[first.index].change);
         let equals = nearest.filter(meets).map(|t| t.index).collect();
-        Ok(Some((first, equals)))
+        Some((first, equals))
     }
 
-    /// Those that none of the others is surely nearer than.
-    fn nearest(&self, mut tried: Vec<Tried>) -> Vec<Tried> {
+    /// Those that take off as much as any of them, or surely no less: a twin that is wrong otherwise tells no more.
+    fn nearest(&self, before: &[Vec<f64>], mut tried: Vec<Tried>) -> Vec<Tried> {
         let Some(first) = tried.first() else { return tried };
         let units = self.units(&first.errors);
-        let size = |t: &Tried| size(&t.errors, &units);
-        let nearest = tried.iter().min_by(|a, b| size(a).total_cmp(&size(b)));
+        let size = |errors: &[Vec<f64>]| size(errors, &units);
+        let nearest = tried.iter().min_by(|a, b| size(&a.errors).total_cmp(&size(&b.errors)));
         let nearest = nearest.map(|t| t.errors.clone()).unwrap_or_default();
-        tried.retain(|t| !self.is_nearer(&t.errors, &nearest, 1));
+        let gain = size(before) - size(&nearest);
+        let wrong_by = self.settings.criteria.least_gain_inexact * gain;
+        // Where the twin runs away without, gains are no measure.
+        let most = size(&nearest) + if gain.is_finite() { wrong_by } else { 0.0 };
+        let is_near = |t: &Tried| size(&t.errors) <= most;
+        tried.retain(|t| is_near(t) || !self.is_nearer(&t.errors, &nearest, 1));
         tried
     }
 

@@ -75,7 +75,7 @@ fn columns(g: &DMatrix<f64>) -> impl Iterator<Item = &[f64]> {
 }
 
 /// x += share y
-fn add(x: &mut [f64], share: f64, y: &[f64]) {
+pub fn add(x: &mut [f64], share: f64, y: &[f64]) {
     x.iter_mut().zip(y).for_each(|(x, y)| *x += share * y);
 }
 

@@ -1,9 +1,13 @@
 //! The stepper beside rapier, and values that come back through it.
 
+use super::arm::Heard;
+use super::problem::Problem;
 use super::refit::Refits;
 use super::sift::{Sieve, Sifted};
 use super::*;
 use crate::diagnosis::{Change, Offer, Stands, Value};
+use crate::identification::levenberg_marquardt::Residuals;
+use crate::regression::bounds::Bounds;
 use crate::signals::{Conditioning, condition};
 use crate::simulation::{Scenario, Simulation};
 use crate::twin::Twin;
@@ -185,17 +189,22 @@ fn a_load_comes_back_from_command_and_position() {
 fn a_servo_within_its_friction_stands() {
     let (twin, _) = by_rapier(SERVOS);
     let mut plant = Plant::new(&twin, 0.0).unwrap();
-    let gain = plant.servo().gain.clone();
+    let gain = plant.arm.servo.gain.clone();
     plant.set_state(0.0, &[0.0; 6], &[0.0; 6]);
+    let hold = |plant: &mut Plant, command: &[f64], steps: usize| {
+        let heard = command.iter().zip(&gain).map(|(&command, &gain)| Heard { command, gain });
+        plant.arm.heard = heard.collect();
+        (0..steps).for_each(|_| plant.step(0.002));
+    };
     // Settles where gravity and friction let it, then the base is asked for half its breakaway.
-    (0..2000).for_each(|_| plant.step(0.002, &[0.0; 6], &gain));
+    hold(&mut plant, &[0.0; 6], 2000);
     let before = plant.shown(0);
     let mut command = [0.0; 6];
     command[0] = before + 0.5 * 9.0 / gain[0];
-    (0..2000).for_each(|_| plant.step(0.002, &command, &gain));
+    hold(&mut plant, &command, 2000);
     assert_eq!(plant.shown(0), before);
     command[0] = before + 2.0 * 9.0 / gain[0];
-    (0..200).for_each(|_| plant.step(0.002, &command, &gain));
+    hold(&mut plant, &command, 200);
     assert!(plant.shown(0) > before + 0.2 * 9.0 / gain[0]);
 }
 
@@ -342,4 +351,57 @@ fn what_fits_only_at_the_end_of_its_range_does_not_stand() {
     ];
     let found = sifted(&format!("{SERVOS}{BENT}"), "servo_offset", &[], &changes);
     assert_eq!(found.stand, [Stands { index: 1, equals: vec![] }]);
+}
+
+/// Columns beside differences between simulations, of friction and load, servos, bodies, rotors and encoders: to the
+/// steps of the differences. The first joint and the last stand at times with all the friction that can hold
+/// them; there a difference has the one side, and a tangent the other.
+#[test]
+fn a_tangent_is_what_differences_between_simulations_have() {
+    let (twin, track) = by_rapier(SERVOS);
+    let effects = [
+        ("coulomb", 1e-4),
+        ("stribeck", 1e-3),
+        ("load_friction", 1e-3),
+        ("payload", 2e-2),
+        ("rotor_inertia", 1e-3),
+        ("joint_coupling", 1e-3),
+        ("servo_gain", 1e-4),
+        ("servo_delay", 1e-3),
+        ("servo_damping", 1e-2),
+        ("servo_friction", 1e-4),
+        ("external_contact", 2e-2),
+    ];
+    let names = effects.map(|(name, _)| name.to_string());
+    let mut free = free_parameters(&twin, &names).unwrap();
+    free.retain(|f| f.joint.is_none_or(|j| (1..5).contains(&j)));
+    let tracks = [&track];
+    let problem = Problem::new(&twin, &tracks, &free, 2.0);
+    let x: Vec<f64> = free.iter().map(|f| f.start).collect();
+    let steps = problem.steps(&x, &Bounds::unbounded(x.len()));
+    let mut r = vec![0.0; problem.count()];
+    problem.residuals(&x, &mut r);
+    let tangents = problem.tangents(&x, &steps).unwrap();
+    let differences = problem.differences(&x, &r, &steps);
+    let size = |column: &[f64]| column.iter().map(|d| d * d).sum::<f64>().sqrt();
+    for ((f, tangent), difference) in free.iter().zip(tangents).zip(differences) {
+        let apart: Vec<f64> = tangent.iter().zip(&difference).map(|(t, d)| t - d).collect();
+        let off = size(&apart) / size(&difference);
+        let (name, joint) = (f.parameter.name, f.joint);
+        let (_, most) = effects.iter().find(|(name, _)| *name == f.effect.about().name).unwrap();
+        assert!(off < *most || size(&difference) < 1e-12, "{name} {joint:?}: {off}");
+    }
+}
+
+#[test]
+fn what_remembers_or_gives_way_has_no_tangent() {
+    let (twin, track) = by_rapier(SERVOS);
+    for (effect, has_one) in [("coulomb", true), ("backlash", false), ("presliding", false)] {
+        let free = free_parameters(&twin, &[effect.to_string()]).unwrap();
+        let tracks = [&track];
+        let problem = Problem::new(&twin, &tracks, &free, 2.0);
+        let x: Vec<f64> = free.iter().map(|f| f.parameter.typical).collect();
+        let steps = problem.steps(&x, &Bounds::unbounded(x.len()));
+        assert_eq!(problem.tangents(&x, &steps).is_some(), has_one, "{effect}");
+    }
 }

@@ -38,6 +38,13 @@ struct Acting {
     builds: bool,
 }
 
+impl Acting {
+    fn is(&self, other: &Self) -> bool {
+        let own = |a: &Self| (a.effect.about().name, a.joint);
+        own(self) == own(other) && self.values == other.values
+    }
+}
+
 impl Injections {
     pub fn new(list: &[Injection]) -> Self {
         let mut acting = Vec::new();
@@ -66,6 +73,21 @@ impl Injections {
         }
     }
 
+    /// Those that are not the same in others.
+    pub fn beyond(&self, others: &Self) -> Self {
+        let is_other = |a: &&Acting| !others.acting.iter().any(|b| a.is(b));
+        Self { acting: self.acting.iter().filter(is_other).cloned().collect() }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.acting.is_empty()
+    }
+
+    /// Has any of them a memory?
+    pub fn remember(&self) -> bool {
+        self.acting.iter().any(|a| !a.memory.is_empty())
+    }
+
     /// As before the first step.
     pub fn forget(&mut self) {
         self.acting.iter_mut().for_each(|a| a.memory.fill(0.0));
@@ -76,8 +98,13 @@ impl Injections {
     pub fn loads(&mut self, arm: &ArmState<'_>, loads: &mut [JointLoad]) {
         loads.fill(JointLoad::default());
         for a in &mut self.acting {
-            let state = arm.joint(a.joint);
-            a.effect.act(&a.values, &state, &mut a.memory, &mut loads[a.joint]);
+            match (a.effect.about().scope, a.builds) {
+                (Scope::Arm, true) => a.effect.act_on_arm(&a.values, arm, loads),
+                (Scope::Arm, false) => (),
+                _ => {
+                    a.effect.act(&a.values, &arm.joint(a.joint), &mut a.memory, &mut loads[a.joint])
+                }
+            }
         }
     }
 

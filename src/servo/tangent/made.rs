@@ -1,0 +1,146 @@
+//! A step that an arm made, and how the torque along it changes with where it began.
+
+use nalgebra::DMatrix;
+
+use crate::robot::{Robot, Workspace, inverse_dynamics};
+use crate::servo::Plant;
+use crate::servo::arm::{Arm, Asked, State};
+
+/// Steps of differences by positions, velocities and torques, rad, rad/s and N.m.
+const MOVE: f64 = 1e-6;
+
+/// From where to where, and scratch memory.
+#[derive(Clone)]
+pub struct Made {
+    pub begin: State,
+    /// s
+    pub h: f64,
+    /// rad/s after it, and rad/s2 on the way.
+    pub after: Vec<f64>,
+    pub acceleration: Vec<f64>,
+    asked: Vec<Asked>,
+    workspace: Workspace,
+    own: Vec<f64>,
+    other: Vec<f64>,
+}
+
+/// Derivatives of torque along a step by what it began with, N.m per rad, rad/s and N.m.
+#[derive(Clone)]
+pub struct ByState {
+    pub q: DMatrix<f64>,
+    pub v: DMatrix<f64>,
+    /// Joint by joint: gears do not feel each other's load.
+    pub transmitted: Vec<f64>,
+}
+
+impl ByState {
+    pub fn new(dof: usize) -> Self {
+        let square = || DMatrix::zeros(dof, dof);
+        Self { q: square(), v: square(), transmitted: vec![0.0; dof] }
+    }
+
+    fn clear(&mut self) {
+        self.q.fill(0.0);
+        self.v.fill(0.0);
+        self.transmitted.fill(0.0);
+    }
+
+    pub fn copy_from(&mut self, other: &Self) {
+        self.q.copy_from(&other.q);
+        self.v.copy_from(&other.v);
+        self.transmitted.copy_from_slice(&other.transmitted);
+    }
+}
+
+impl Made {
+    pub fn new(plant: &Plant) -> Self {
+        let dof = plant.state.q.len();
+        let zeros = || vec![0.0; dof];
+        Self {
+            begin: plant.state.clone(),
+            h: 1.0,
+            after: zeros(),
+            acceleration: zeros(),
+            asked: vec![Asked::default(); dof],
+            workspace: Workspace::new(plant.arm.robot()),
+            own: zeros(),
+            other: zeros(),
+        }
+    }
+
+    /// The plant stands still where it is.
+    pub fn rest(&mut self, plant: &Plant) {
+        self.begin.clone_from(&plant.state);
+        self.after.copy_from_slice(&plant.state.v);
+        self.acceleration.fill(0.0);
+    }
+
+    /// The plant has made a step of `h` s from where this begins.
+    pub fn end(&mut self, plant: &Plant, h: f64) {
+        self.h = h;
+        self.after.copy_from_slice(&plant.state.v);
+        let both = self.after.iter().zip(&self.begin.v);
+        let both = self.acceleration.iter_mut().zip(both);
+        both.for_each(|(a, (after, before))| *a = (after - before) / h);
+    }
+
+    /// What servos and effects of an arm ask along it, N.m.
+    pub fn asked_of(&mut self, arm: &mut Arm, torque: &mut [f64]) {
+        arm.ask(&self.begin, self.h, &mut self.asked);
+        let speeds = self.begin.v.iter().zip(&self.after);
+        for (torque, (asked, (before, after))) in
+            torque.iter_mut().zip(self.asked.iter().zip(speeds))
+        {
+            *torque = asked.along([*before, *after], after.signum());
+        }
+    }
+
+    /// What bodies take along it, N.m.
+    pub fn taken_by(&mut self, robot: &Robot, torque: &mut [f64]) {
+        let State { q, v, .. } = &self.begin;
+        inverse_dynamics(robot, &mut self.workspace, q, v, &self.acceleration, torque);
+    }
+
+    /// How what bodies take changes.
+    pub fn differentiate_taken(&mut self, robot: &Robot, by: &mut ByState) {
+        by.clear();
+        self.add_derivatives(by, |made, torque| made.taken_by(robot, torque));
+    }
+
+    /// Adds how what servos and effects ask changes; with what gears transmit where that matters.
+    pub fn add_asked(&mut self, arm: &mut Arm, is_loaded: bool, by: &mut ByState) {
+        self.add_derivatives(by, |made, torque| made.asked_of(arm, torque));
+        if !is_loaded {
+            return;
+        }
+        let mut other = std::mem::take(&mut self.other);
+        self.begin.transmitted.iter_mut().for_each(|t| *t += MOVE);
+        self.asked_of(arm, &mut other);
+        self.begin.transmitted.iter_mut().for_each(|t| *t -= MOVE);
+        for (by, (other, own)) in by.transmitted.iter_mut().zip(other.iter().zip(&self.own)) {
+            *by = (other - own) / MOVE;
+        }
+        self.other = other;
+    }
+
+    /// Differences of a torque by positions and velocities.
+    fn add_derivatives(&mut self, by: &mut ByState, mut torque: impl FnMut(&mut Self, &mut [f64])) {
+        let [mut own, mut other] = [&mut self.own, &mut self.other].map(std::mem::take);
+        torque(self, &mut own);
+        for k in 0..own.len() {
+            for (part, by) in [((|s| &mut s.q) as Part, &mut by.q), (|s| &mut s.v, &mut by.v)] {
+                let before = part(&mut self.begin)[k];
+                part(&mut self.begin)[k] += MOVE;
+                torque(self, &mut other);
+                part(&mut self.begin)[k] = before;
+                for (by, (other, own)) in by.column_mut(k).iter_mut().zip(other.iter().zip(&own)) {
+                    *by += (other - own) / MOVE;
+                }
+            }
+        }
+        (self.own, self.other) = (own, other);
+    }
+}
+
+/// One value per joint of a state.
+type Part = fn(&mut State) -> &mut Vec<f64>;
