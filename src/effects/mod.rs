@@ -411,7 +411,8 @@ pub trait Effect: Sync {
     ) {
     }
 
-    /// Inject, an effect of the whole arm: [`act`](Effect::act) at every joint at once.
+    /// Inject, an effect of the whole arm without memory: [`act`](Effect::act) at every joint at once, for
+    /// what all of them share; one entry of `loads` per joint.
     fn act_on_arm(&self, values: &[f64], arm: &ArmState<'_>, loads: &mut [JointLoad]) {
         for (j, load) in loads.iter_mut().enumerate() {
             self.act(values, &arm.joint(j), &mut [], load);

@@ -13,19 +13,21 @@ use crate::twin::Twin;
 #[derive(Clone)]
 pub struct Arm {
     pub mechanism: Mechanism,
+    /// The servos as they are.
     pub servo: Servo,
     effects: Injections,
     loads: Vec<JointLoad>,
-    pub heard: Vec<Heard>,
+    /// Of every joint, in the step ahead.
+    heard: Vec<Heard>,
 }
 
-/// What a servo makes of what it was told.
+/// The command as it arrives at a servo, and how stiff the servo is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Heard {
+struct Heard {
     /// rad
-    pub command: f64,
+    command: f64,
     /// N.m/rad; 0 while it is off.
-    pub gain: f64,
+    gain: f64,
 }
 
 /// What an arm is in where a step begins; one entry per joint of every list.
@@ -128,6 +130,13 @@ impl Arm {
             let late = self.servo.delay[j] / track.dt;
             heard.command = at_place(track.command.joint(j), place - late);
             heard.gain = track.factor.joint(j)[k] * self.servo.gain[j];
+        }
+    }
+
+    /// These commands (rad) arrive at servos of these gains (N.m/rad; 0 while one is off), one per joint.
+    pub fn tell(&mut self, command: &[f64], gain: &[f64]) {
+        for (heard, (&command, &gain)) in self.heard.iter_mut().zip(command.iter().zip(gain)) {
+            *heard = Heard { command, gain };
         }
     }
 

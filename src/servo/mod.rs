@@ -3,8 +3,9 @@
 //!
 //! [`Plant`] steps the few joints of such an arm with dry friction as a constraint; rapier remains what it
 //! is held against. [`replay`] leads a twin along a recording. [`identify`] fits what a twin leaves open by
-//! output error over stretches that begin in measured states, [`PositionGap`] says what is left. [`linearised`]
-//! hands what a simulation leaves of recorded positions to the diagnosis, beside its sensitivities.
+//! output error over stretches that begin in measured states, with the simulation's tangent for its columns;
+//! [`PositionGap`] says what is left. [`linearised`] hands what a simulation leaves of recorded positions to the
+//! diagnosis, beside its sensitivities.
 
 mod arm;
 mod diagnose;

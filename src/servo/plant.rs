@@ -15,7 +15,7 @@ use super::arm::{Arm, Asked, State};
 use super::replay::Led;
 use super::wound::{self, Wound};
 use super::{ServoError, Track, stick};
-use crate::robot::{Workspace, equation_of_motion, gravity_torque, inverse_dynamics};
+use crate::robot::{Servo, Workspace, equation_of_motion, gravity_torque, inverse_dynamics};
 use crate::twin::Twin;
 
 /// Faster than this no servo turns, rad/s.
@@ -111,6 +111,11 @@ impl Plant {
         })
     }
 
+    /// The servos as they are.
+    pub fn servo(&self) -> &Servo {
+        &self.arm.servo
+    }
+
     /// Puts the joints at `q` (rad, as the encoders show it) moving at `v` (rad/s), `time` s after the start; what
     /// gives way hangs at rest under the links' weight.
     pub fn set_state(&mut self, time: f64, q: &[f64], v: &[f64]) {
@@ -175,8 +180,14 @@ impl Plant {
         self.wound.is_empty() && !self.arm.remembers()
     }
 
+    /// One step of `h` s: servos of `gain` N.m/rad (0 while one is off) are told `command` (rad).
+    pub fn step(&mut self, h: f64, command: &[f64], gain: &[f64]) {
+        self.arm.tell(command, gain);
+        self.go_on(h);
+    }
+
     /// One step of `h` s with what the servos have heard.
-    pub fn step(&mut self, h: f64) {
+    fn go_on(&mut self, h: f64) {
         self.arm.ask(&self.state, h, &mut self.asked);
         self.pose(h);
         self.find_speeds(h);
@@ -262,6 +273,6 @@ impl Led for Plant {
 
     fn follow(&mut self, h: f64, track: &Track, k: usize, place: f64) {
         self.arm.hear(track, k, place);
-        self.step(h);
+        self.go_on(h);
     }
 }

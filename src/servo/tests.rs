@@ -1,6 +1,5 @@
 //! The stepper beside rapier, and values that come back through it.
 
-use super::arm::Heard;
 use super::problem::Problem;
 use super::refit::Refits;
 use super::sift::{Sieve, Sifted};
@@ -189,22 +188,17 @@ fn a_load_comes_back_from_command_and_position() {
 fn a_servo_within_its_friction_stands() {
     let (twin, _) = by_rapier(SERVOS);
     let mut plant = Plant::new(&twin, 0.0).unwrap();
-    let gain = plant.arm.servo.gain.clone();
+    let gain = plant.servo().gain.clone();
     plant.set_state(0.0, &[0.0; 6], &[0.0; 6]);
-    let hold = |plant: &mut Plant, command: &[f64], steps: usize| {
-        let heard = command.iter().zip(&gain).map(|(&command, &gain)| Heard { command, gain });
-        plant.arm.heard = heard.collect();
-        (0..steps).for_each(|_| plant.step(0.002));
-    };
     // Settles where gravity and friction let it, then the base is asked for half its breakaway.
-    hold(&mut plant, &[0.0; 6], 2000);
+    (0..2000).for_each(|_| plant.step(0.002, &[0.0; 6], &gain));
     let before = plant.shown(0);
     let mut command = [0.0; 6];
     command[0] = before + 0.5 * 9.0 / gain[0];
-    hold(&mut plant, &command, 2000);
+    (0..2000).for_each(|_| plant.step(0.002, &command, &gain));
     assert_eq!(plant.shown(0), before);
     command[0] = before + 2.0 * 9.0 / gain[0];
-    hold(&mut plant, &command, 200);
+    (0..200).for_each(|_| plant.step(0.002, &command, &gain));
     assert!(plant.shown(0) > before + 0.2 * 9.0 / gain[0]);
 }
 

@@ -39,6 +39,7 @@ struct Acting {
 }
 
 impl Acting {
+    /// The same effect at the same joint, with the same values?
     fn is(&self, other: &Self) -> bool {
         let own = |a: &Self| (a.effect.about().name, a.joint);
         own(self) == own(other) && self.values == other.values
@@ -73,7 +74,7 @@ impl Injections {
         }
     }
 
-    /// Those that are not the same in others.
+    /// Those that others do not have with the same values at the same joint.
     pub fn beyond(&self, others: &Self) -> Self {
         let is_other = |a: &&Acting| !others.acting.iter().any(|b| a.is(b));
         Self { acting: self.acting.iter().filter(is_other).cloned().collect() }
@@ -98,11 +99,13 @@ impl Injections {
     pub fn loads(&mut self, arm: &ArmState<'_>, loads: &mut [JointLoad]) {
         loads.fill(JointLoad::default());
         for a in &mut self.acting {
-            match (a.effect.about().scope, a.builds) {
-                (Scope::Arm, true) => a.effect.act_on_arm(&a.values, arm, loads),
-                (Scope::Arm, false) => (),
-                _ => {
-                    a.effect.act(&a.values, &arm.joint(a.joint), &mut a.memory, &mut loads[a.joint])
+            let at_once = a.effect.about().scope == Scope::Arm && a.memory.is_empty();
+            match (at_once, a.builds) {
+                (true, true) => a.effect.act_on_arm(&a.values, arm, loads),
+                (true, false) => (),
+                (false, _) => {
+                    let (state, load) = (arm.joint(a.joint), &mut loads[a.joint]);
+                    a.effect.act(&a.values, &state, &mut a.memory, load);
                 }
             }
         }

@@ -213,3 +213,40 @@ impl Effect for TwistedHose {
         load.damping += values[0] * (1.0 + (3.0 * angle).sin());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::ArmState;
+    use crate::simulation::{Injection, Injections};
+
+    /// What acts on the whole arm, with a memory at every joint or worked out at once, is what acts joint by joint.
+    #[test]
+    fn an_effect_of_the_whole_arm_acts_at_every_joint() {
+        let contact = crate::effects::find("external_contact").unwrap();
+        let cases: [(&'static dyn Effect, &[f64]); 2] =
+            [(&SwingingLoad, &[1.0, 1.3, 0.03]), (contact, &[1.0, -2.0, 3.0, 0.0, 10.0, 10.0])];
+        let robot = crate::twin::Twin::default().robot;
+        let (q, qd, none) =
+            (vec![0.3; robot.dof()], vec![0.5; robot.dof()], vec![0.0; robot.dof()]);
+        for (effect, values) in cases {
+            let joints = (0..robot.dof()).collect();
+            let mut all =
+                Injections::new(&[Injection { effect, joints, values: vec![values.into()] }]);
+            let mut memory = vec![vec![0.0; effect.about().memory]; robot.dof()];
+            let mut loads = vec![JointLoad::default(); robot.dof()];
+            for time in [0.0, 0.01, 0.02] {
+                let (robot, q, qd, none) = (&robot, &q[..], &qd[..], &none[..]);
+                let arm =
+                    ArmState { robot, time, dt: 0.01, q, qd, transmitted: none, temperature: none };
+                all.loads(&arm, &mut loads);
+                for (j, load) in loads.iter().enumerate() {
+                    let mut own = JointLoad::default();
+                    effect.act(values, &arm.joint(j), &mut memory[j], &mut own);
+                    assert!((load.torque - own.torque).abs() < 1e-12, "{}", effect.about().name);
+                }
+                assert!(loads.iter().any(|load| load.torque.abs() > 0.1));
+            }
+        }
+    }
+}

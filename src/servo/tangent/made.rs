@@ -20,6 +20,7 @@ pub struct Made {
     pub acceleration: Vec<f64>,
     asked: Vec<Asked>,
     workspace: Workspace,
+    /// N.m, the torque that was differentiated last: along the step, and from a state a little otherwise.
     own: Vec<f64>,
     other: Vec<f64>,
 }

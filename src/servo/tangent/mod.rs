@@ -1,4 +1,5 @@
-//! How the motion of an arm changes with what is fitted: the tangent of its steps, beside the simulation.
+//! How the motion of an arm changes with what is fitted: forward sensitivities, by the tangent of each step beside the
+//! simulation.
 //!
 //! A step from (q, v) to v' has T(q, v, v', x) = 0 at the joints that slide, v' = 0 at those that stand, where T is the
 //! torque along it that bodies and rotors take, and that servos and effects ask. With M + A_r the mass matrix and
