@@ -9,7 +9,7 @@
 use super::judge::prove;
 use super::refit::Refits;
 use super::sift::{Sieve, Sifted};
-use super::{Free, ServoError, Settings, Track, approach, free_parameters, linearised};
+use super::{Fit, Free, ServoError, Settings, Track, free_parameters, linearised};
 use crate::diagnosis::{self, Diagnosis, Offer, Traces, diagnose_proved};
 use crate::follow::Watch;
 use crate::series::JointSeries;
@@ -70,6 +70,6 @@ pub fn diagnose(
 /// The twin with values by which it follows the recording, whatever they stand for.
 fn following(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, ServoError> {
     let free = free_parameters(twin, &FOLLOWING.map(String::from))?;
-    let free: Vec<Free> = free.into_iter().map(|f| f.near_start(&twin.robot)).collect();
-    approach(twin, &[fit], &free, watch)
+    let free: Vec<Free> = free.into_iter().map(|f| f.near_start(twin)).collect();
+    Fit::FromFar.of(twin, &[fit], &free, watch)
 }

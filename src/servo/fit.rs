@@ -72,6 +72,8 @@ const CLOSE: f64 = 1e-4;
 const ABOUT: f64 = 1e-3;
 /// Evaluations of a search for values that are compared: with exact columns what fits is found in half of them.
 const FEW: usize = 40;
+/// And from values that are about right.
+const FEWER: usize = 10;
 /// Sums of neighbouring rows whose correlation is looked at: every pair of them is.
 const MOST_BINS: usize = 2000;
 /// Shortest recording, s.
@@ -92,9 +94,7 @@ pub fn identify(
     let before = gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
     let Search { x, evaluations, stop } =
         stoppable(watch, || searched(&mut problem, (&STRETCHES, CLOSE), settings, watch))?;
-    // What the recordings say, whatever was expected.
-    problem.with_priors = false;
-    let estimates = estimates(&problem, &x, settings)?;
+    let estimates = estimates(&mut problem, &x, settings)?;
     let fitted = with_values(twin, free, &x);
     let after = gaps(&fitted, tracks, settings)?;
     let samples = problem.count();
@@ -104,24 +104,59 @@ pub fn identify(
     Ok(Fitted { estimates, twin: settled(fitted), before, after, samples, cost, evaluations, stop })
 }
 
-/// The twin with values near those of [`identify`], in a part of its time: by short stretches
-/// alone, and what the recordings say of each is left out.
+/// How much work a fit of changes is: each value is held near where it is expected, as firmly as a recording of so many
+/// independent rows lets it, and what the recordings say of each is left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fit {
+    /// From any values that the twin can be led with: by short stretches.
+    FromFar,
+    /// From values that are about right, to compare them: by long stretches, whose errors are those of a whole motion.
+    About,
+    /// From values that are about right, to keep them: as far as it comes.
+    Close,
+}
+
+impl Fit {
+    /// The twin with its values fitted.
+    ///
+    /// # Errors
+    /// As [`identify`].
+    pub fn of(
+        self,
+        twin: &Twin,
+        tracks: &[&Track],
+        free: &[Free],
+        watch: &dyn Watch,
+    ) -> Result<Twin, ServoError> {
+        let (stretches, tolerance, max_evaluations) = match self {
+            Self::FromFar => (&STRETCHES[..1], ABOUT, FEW),
+            Self::About => (&STRETCHES[1..2], ABOUT, FEWER),
+            Self::Close => (&STRETCHES[1..], CLOSE, FEW),
+        };
+        let settings = &Settings { max_evaluations, ..Settings::default() };
+        let mut problem = posed(twin, tracks, free, settings)?;
+        gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
+        problem.counts_independent = true;
+        let found =
+            stoppable(watch, || searched(&mut problem, (stretches, tolerance), settings, watch))?;
+        Ok(settled(with_values(twin, free, &found.x)))
+    }
+}
+
+/// What the recordings say of values as they are, whatever was expected.
 ///
 /// # Errors
 /// As [`identify`].
-pub fn approach(
+pub fn told(
     twin: &Twin,
     tracks: &[&Track],
     free: &[Free],
-    watch: &dyn Watch,
-) -> Result<Twin, ServoError> {
-    let settings = &Settings { max_evaluations: FEW, ..Settings::default() };
+    settings: &Settings,
+) -> Result<Vec<Estimate>, ServoError> {
     let mut problem = posed(twin, tracks, free, settings)?;
-    gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
-    problem.counts_independent = true;
-    let near = (&STRETCHES[..1], ABOUT);
-    let found = stoppable(watch, || searched(&mut problem, near, settings, watch))?;
-    Ok(settled(with_values(twin, free, &found.x)))
+    let x = starts(free);
+    problem.weights = weights(&problem, &problem.errors(&x));
+    estimates(&mut problem, &x, settings)
 }
 
 fn posed<'a>(
@@ -222,11 +257,13 @@ fn rows_per_independent(problem: &Problem<'_>, errors: &[f64]) -> f64 {
     if independent > 0.0 { errors.len() as f64 / independent } else { 1.0 }
 }
 
+/// What the recordings say, whatever was expected.
 fn estimates(
-    problem: &Problem<'_>,
+    problem: &mut Problem<'_>,
     x: &[f64],
     settings: &Settings,
 ) -> Result<Vec<Estimate>, ServoError> {
+    problem.with_priors = false;
     let free = problem.free;
     let bounds = Bounds::unbounded(x.len());
     let mut r = vec![0.0; problem.count()];

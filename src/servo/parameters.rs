@@ -25,13 +25,15 @@ pub struct Free {
 
 impl Free {
     /// This parameter where it is expected to be off by as much as such effects are on such an arm, or by as much as it is
-    /// where that is more: what a recording does not tell stays where it was.
-    pub fn near_start(self, robot: &Robot) -> Self {
-        let place =
-            self.effect.about().parameters.iter().position(|p| p.name == self.parameter.name);
-        let expected = self.effect.expected(robot, self.joint.unwrap_or(0), &[]);
+    /// where that is more: what a recording does not tell stays where it was. What goes with another value of the
+    /// effect, as the moments of a load go with its mass, goes with that of `twin`.
+    pub fn near_start(self, twin: &Twin) -> Self {
+        let about = self.effect.about();
+        let joint = self.joint.unwrap_or(0);
+        let place = about.parameters.iter().position(|p| p.name == self.parameter.name);
+        let expected = self.effect.expected(&twin.robot, joint, &references(twin, &self));
         let expected = place.and_then(|i| expected.get(i).copied()).filter(|s| s.is_finite());
-        let usual = match self.parameter.on(&Size::of(robot)).typical.abs() {
+        let usual = match self.parameter.on(&Size::of(&twin.robot)).typical.abs() {
             0.0 => self.max - self.min,
             typical => typical,
         };
@@ -212,23 +214,29 @@ fn complete_shapes(twin: &mut Twin, free: &[Free]) {
 /// References follow from what was fitted.
 fn complete_references(twin: &mut Twin, free: &[Free]) {
     for f in free {
-        let about = f.effect.about();
-        let joint = f.joint.unwrap_or(0);
-        let value = |name: &str| twin.values.get(name).and_then(|v| v.get(joint)).copied();
-        let searched = |p: &Parameter| !p.is_reference();
-        let given = |name: &'static str| {
-            about
-                .parameters
-                .iter()
-                .find(|p| p.name == name)
-                .filter(|p| searched(p))
-                .and_then(|_| value(name))
-        };
-        let Ok(all) = complete(f.effect, given) else { continue };
+        let parameters = f.effect.about().parameters;
+        let Some(all) = completed(twin, f) else { continue };
         let (count, here) = f.places(&twin.robot);
-        for (p, v) in about.parameters.iter().zip(all).filter(|(p, _)| p.is_reference()) {
+        for (p, v) in parameters.iter().zip(all).filter(|(p, _)| p.is_reference()) {
             let values = twin.values.entry(p.name.into()).or_insert_with(|| vec![p.typical; count]);
             values[here.clone()].fill(v);
         }
     }
+}
+
+/// What the linear parameters of an effect refer to, by its values in a twin; nothing where the twin has none of it.
+fn references(twin: &Twin, f: &Free) -> Vec<f64> {
+    let linear = f.effect.about().parameters.iter().filter(|p| p.role == Role::Linear).count();
+    completed(twin, f).map_or(Vec::new(), |all| all[linear..].to_vec())
+}
+
+/// All values of an effect in a twin, its references as they follow from the others.
+fn completed(twin: &Twin, f: &Free) -> Option<Vec<f64>> {
+    let (parameters, joint) = (f.effect.about().parameters, f.joint.unwrap_or(0));
+    let given = |name: &'static str| {
+        let p = parameters.iter().find(|p| p.name == name)?;
+        let values = twin.values.get(name).filter(|_| !p.is_reference());
+        values.and_then(|v| v.get(joint)).copied()
+    };
+    complete(f.effect, given).ok()
 }

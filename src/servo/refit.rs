@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::fit::told;
 use super::parameters::with_values;
-use super::{Estimate, Free, ServoError, Settings, Track, approach, free_parameters, identify};
+use super::{Estimate, Fit, Free, ServoError, Settings, Track, free_parameters, identify};
 use crate::diagnosis::{Change, changed};
 use crate::effects::{Effect, Role, Scope, find};
 use crate::follow::Watch;
@@ -34,7 +35,11 @@ impl<'a> Refits<'a> {
     pub fn new(twin: &'a Twin, fit: &'a Track, watch: &'a dyn Watch) -> Result<Self, ServoError> {
         let before = Refitted { twin: twin.clone(), estimates: Vec::new() };
         let mut refits = Self { twin, fit, watch, before };
-        refits.before = refits.all(twin, &[])?;
+        let free = refits.free(twin, &[])?;
+        if !free.is_empty() {
+            let fitted = identify(twin, &[fit], &free, &Settings::default(), watch)?.twin;
+            refits.before = refits.all(&fitted, &[])?;
+        }
         Ok(refits)
     }
 
@@ -45,7 +50,7 @@ impl<'a> Refits<'a> {
     pub fn none(&self) -> Result<Twin, ServoError> {
         match self.free(&self.before.twin, &[])?.is_empty() {
             true => Ok(self.before.twin.clone()),
-            false => self.approached(&self.before.twin, &[], None),
+            false => self.fitted(Fit::FromFar, &self.before.twin, &[], None),
         }
     }
 
@@ -57,7 +62,7 @@ impl<'a> Refits<'a> {
     pub fn alone(&self, change: &Change) -> Result<Twin, ServoError> {
         let own = std::slice::from_ref(change);
         let starts = [own, &[]].map(|c| changed(self.twin, &self.open_values(), c));
-        from_either(starts, |start| self.approached(start, own, Some(change)))
+        from_either(starts, |start| self.fitted(Fit::FromFar, start, own, Some(change)))
     }
 
     /// `current`, which has all of `changes` but the last, about with the last as well; its values begin with those in
@@ -75,7 +80,7 @@ impl<'a> Refits<'a> {
         let values: Vec<f64> = own.iter().map(|f| f.start).collect();
         let with_kept = with_kept(current, alone, &own);
         let starts = [with_values(&with_kept, &own, &values), current.clone()];
-        from_either(starts, |start| self.approached(start, changes, changes.last()))
+        from_either(starts, |start| self.fitted(Fit::About, start, changes, changes.last()))
     }
 
     /// `current`, which has all of `changes`, about without the `i`th.
@@ -92,7 +97,7 @@ impl<'a> Refits<'a> {
         let mut others = changes.to_vec();
         others.remove(i);
         from_either([start, self.before.twin.clone()], |start| {
-            self.approached(start, &others, None)
+            self.fitted(Fit::About, start, &others, None)
         })
     }
 
@@ -101,43 +106,27 @@ impl<'a> Refits<'a> {
     /// # Errors
     /// As [`identify`].
     pub fn all(&self, near: &Twin, changes: &[Change]) -> Result<Refitted, ServoError> {
-        let free = self.free(near, changes)?;
-        if free.is_empty() {
-            return Ok(Refitted { twin: near.clone(), estimates: Vec::new() });
-        }
-        let settings = Settings { level: LEVEL, ..Settings::default() };
-        let fitted = identify(near, &[self.fit], &free, &settings, self.watch)?;
-        Ok(Refitted { twin: fitted.twin, estimates: fitted.estimates })
+        self.as_is(&self.fitted(Fit::Close, near, changes, None)?, changes)
     }
 
-    /// A twin with changes as it is, which predicts better than it does with the values of a full fit: how sure values
-    /// are is what that fit says, and they may be either.
+    /// A twin with changes as it is, and what the recording says of its values.
     ///
     /// # Errors
-    /// If a change has no parameters that can be fitted.
-    pub fn as_is(
-        &self,
-        twin: &Twin,
-        changes: &[Change],
-        full: &Refitted,
-    ) -> Result<Refitted, ServoError> {
-        let kept = self.free(twin, changes)?;
-        let estimates = full.estimates.iter().zip(kept).map(|(e, f)| {
-            let (value, at_bound) = (f.start, f.is_bound(f.start));
-            Estimate {
-                value,
-                low: e.low.min(value),
-                high: e.high.max(value),
-                at_bound,
-                ..e.clone()
-            }
-        });
-        Ok(Refitted { twin: twin.clone(), estimates: estimates.collect() })
+    /// As [`identify`].
+    pub fn as_is(&self, twin: &Twin, changes: &[Change]) -> Result<Refitted, ServoError> {
+        let free = self.free(twin, changes)?;
+        if free.is_empty() {
+            return Ok(Refitted { twin: twin.clone(), estimates: Vec::new() });
+        }
+        let settings = Settings { level: LEVEL, ..Settings::default() };
+        let estimates = told(twin, &[self.fit], &free, &settings)?;
+        Ok(Refitted { twin: twin.clone(), estimates })
     }
 
     /// A fit of what may be another value `around` a change; of all values, if that is none.
-    fn approached(
+    fn fitted(
         &self,
+        by: Fit,
         start: &Twin,
         changes: &[Change],
         around: Option<&Change>,
@@ -147,7 +136,7 @@ impl<'a> Refits<'a> {
         if free.is_empty() {
             return Ok(start.clone());
         }
-        approach(start, &[self.fit], &free, self.watch)
+        by.of(start, &[self.fit], &free, self.watch)
     }
 
     /// What the twin leaves open, and the parameters of the changes where they act, with their values in `start`. They are
@@ -166,9 +155,9 @@ impl<'a> Refits<'a> {
         };
         let own = all(start)?;
         if changes.is_empty() {
-            return Ok(own.into_iter().map(|f| f.near_start(&start.robot)).collect());
+            return Ok(own.into_iter().map(|f| f.near_start(start)).collect());
         }
-        let before = all(&self.before.twin)?.into_iter().map(|f| f.near_start(&start.robot));
+        let before = all(&self.before.twin)?.into_iter().map(|f| f.near_start(start));
         let placed = |(before, own): (Free, Free)| {
             let linear = own.parameter.role == Role::Linear;
             let expected = if linear { before.expected } else { own.start };
@@ -194,13 +183,12 @@ pub fn open_fitted(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, 
     Ok(Refits::new(twin, fit, watch)?.before.twin)
 }
 
-/// Has a change that was fitted a shape (a nonlinear parameter) at the end of its range?
+/// Has a change that was fitted a value at the end of its range?
 ///
 /// # Errors
 /// If the change has no parameters that can be fitted.
 pub fn is_at_bound(fitted: &Twin, change: &Change) -> Result<bool, ServoError> {
-    let own = parameters(fitted, change)?;
-    Ok(own.iter().any(|f| f.parameter.role == Role::Nonlinear && f.is_bound(f.start)))
+    Ok(parameters(fitted, change)?.iter().any(|f| f.is_bound(f.start)))
 }
 
 /// `twin` with those values of the effects of `own` that no fit moves, as `found` has them, where it has none.

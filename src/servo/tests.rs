@@ -335,6 +335,30 @@ fn of_equals_the_most_plausible_comes_first() {
     }
 }
 
+/// The moments of a load are as far off as its mass lets them be; before there is one, nothing is known of them.
+#[test]
+fn moments_of_a_load_are_expected_to_go_with_its_mass() {
+    let (mut twin, _) = by_rapier(SERVOS);
+    let spread = |twin: &Twin| {
+        let free = free_parameters(twin, &["payload".to_string()]).unwrap();
+        let x = free.iter().find(|f| f.parameter.name == "payload_moment_x").unwrap();
+        x.near_start(twin).spread
+    };
+    let unknown = spread(&twin);
+    for name in ["payload_moment_x", "payload_moment_y", "payload_moment_z"] {
+        twin.values.insert(name.into(), vec![0.0]);
+    }
+    let mut with = |mass: f64| {
+        twin.values.insert("payload_mass".into(), vec![mass]);
+        spread(&twin)
+    };
+    let [light, heavy] = [with(0.5), with(2.0)];
+    assert!(
+        (heavy / light - 4.0).abs() < 1e-9 && heavy < 0.5 * unknown,
+        "{light} {heavy} {unknown}"
+    );
+}
+
 /// A ripple of less than one wave a turn looks like an offset.
 #[test]
 fn what_fits_only_at_the_end_of_its_range_does_not_stand() {

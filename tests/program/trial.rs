@@ -73,6 +73,8 @@ fn a_trial_of_position_servos() {
     assert_eq!(of("clean")["causes"].as_array().unwrap().len(), 0, "{found:?}");
     let single = of("single");
     assert!(single["strength"].as_f64().unwrap() > 0.1, "{single}");
+    // Less gain of a servo and more inertia swing alike within twelve seconds.
+    assert_eq!(single["top1_set"], true, "{single}");
     // On a third recording what is named predicts the position as well as the truth does.
     let [realised, oracle] = ["realised", "oracle"].map(|name| single[name].as_f64().unwrap());
     assert!(oracle > 0.8 && realised > 0.95 * oracle, "{single}");

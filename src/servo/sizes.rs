@@ -1,0 +1,120 @@
+//! How far the simulated position of a twin is from the recorded one, and whether another twin comes surely nearer.
+//!
+//! Sizes of errors count, not their squares: what stops the arm for a moment in one recording alone is not simulated here,
+//! and squares would let it decide.
+
+use super::{ServoError, Track, replay};
+use crate::diagnosis::{Settings, interval};
+use crate::twin::Twin;
+
+/// Sizes of errors along the command of a recording, each joint, rad; infinite where the twin runs away.
+#[derive(Clone)]
+pub struct Sizes {
+    joints: Vec<Vec<f64>>,
+    /// What rounding alone leaves of each joint, rad.
+    rounding: Vec<f64>,
+    /// s.
+    dt: f64,
+}
+
+impl Sizes {
+    /// # Errors
+    /// If the twin cannot be simulated.
+    pub fn along(track: &Track, twin: &Twin) -> Result<Self, ServoError> {
+        let used: Vec<usize> = (0..track.len()).filter(|&k| track.usable[k]).collect();
+        let joints = match replay(twin, track, &track.stretches(f64::INFINITY)) {
+            Ok(q) => {
+                let size = |j: usize, k: usize| (q.joint(j)[k] - track.q.joint(j)[k]).abs();
+                let of = |j: usize| used.iter().map(|&k| size(j, k)).collect();
+                (0..track.joints()).map(of).collect()
+            }
+            Err(ServoError::Diverged { .. }) => {
+                vec![vec![f64::INFINITY; used.len()]; track.joints()]
+            }
+            Err(other) => return Err(other),
+        };
+        let rounding = track.resolution.iter().map(|r| r / 12f64.sqrt()).collect();
+        Ok(Self { joints, rounding, dt: track.dt })
+    }
+
+    /// What is left of each joint, rad, at least its rounding.
+    pub fn units(&self) -> Vec<f64> {
+        let known = |left: f64| if left.is_finite() { left } else { 0.0 };
+        let of = |(left, least): (f64, &f64)| known(left).max(*least);
+        self.means().into_iter().zip(&self.rounding).map(of).collect()
+    }
+
+    /// Errors of all joints together, each in units of its own.
+    pub fn sum(&self, units: &[f64]) -> f64 {
+        self.summed(units).iter().sum()
+    }
+
+    /// Are these errors surely smaller, and by enough, where so many are looked at? Each joint counts in units of what is
+    /// left of it.
+    pub fn are_nearer(&self, than: &Self, among: usize, settings: &Settings) -> bool {
+        let (before, after) = (than.means(), self.means());
+        let moves = |means: &[f64]| means.iter().all(|m| m.is_finite());
+        if !(moves(&before) && moves(&after)) {
+            return moves(&after);
+        }
+        let largest = before.iter().zip(&after).map(|(b, a)| share(*b, *a)).fold(0.0, f64::max);
+        // No simulation of an arm is exact to less.
+        largest >= settings.criteria.least_gain_inexact
+            && self.are_surely_nearer(than, among, settings.seed)
+    }
+
+    /// Would errors, both finite, shrink along other stretches of this motion?
+    fn are_surely_nearer(&self, than: &Self, among: usize, seed: u64) -> bool {
+        let units = self.units();
+        let [b, a] = [than, self].map(|sizes| sizes.summed(&units));
+        let [low, _] = interval(among, [&b, &a], self.dt, seed, share);
+        low > 0.0
+    }
+
+    fn means(&self) -> Vec<f64> {
+        self.joints.iter().map(|e| e.iter().sum::<f64>() / e.len().max(1) as f64).collect()
+    }
+
+    /// Over all joints, sample by sample.
+    fn summed(&self, units: &[f64]) -> Vec<f64> {
+        let samples = self.joints.first().map_or(0, Vec::len);
+        let at = |k: usize| self.joints.iter().zip(units).map(|(e, unit)| e[k] / unit).sum();
+        (0..samples).map(at).collect()
+    }
+}
+
+/// Share of a square that is taken off.
+fn share(before: f64, after: f64) -> f64 {
+    if before > 0.0 { 1.0 - (after / before).powi(2) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two joints for half a minute, whose errors swing about these means.
+    fn about(means: [f64; 2]) -> Sizes {
+        let swings = |k: usize| 1.0 + 0.5 * (0.7 * k as f64).sin();
+        let joints = means.map(|m| (0..3000).map(|k| m * swings(k)).collect());
+        Sizes { joints: joints.to_vec(), rounding: vec![1e-4; 2], dt: 0.01 }
+    }
+
+    fn are_nearer(with: [f64; 2], without: [f64; 2]) -> bool {
+        about(with).are_nearer(&about(without), 1, &Settings::default())
+    }
+
+    #[test]
+    fn nearer_is_a_tenth_of_the_square_at_a_joint_and_of_all_joints_surely() {
+        assert!(are_nearer([0.9e-3, 1e-3], [1e-3, 1e-3]));
+        assert!(!are_nearer([0.96e-3, 1e-3], [1e-3, 1e-3]), "a twentieth");
+        assert!(!are_nearer([0.9e-3, 1.3e-3], [1e-3, 1e-3]), "what one joint gains another loses");
+        assert!(!are_nearer([1e-3, 1e-3], [1e-3, 1e-3]), "the same");
+    }
+
+    #[test]
+    fn a_twin_that_no_longer_runs_away_is_nearer() {
+        let away = [f64::INFINITY, 1e-3];
+        assert!(are_nearer([1.0, 1.0], away));
+        assert!(!are_nearer(away, [1.0, 1.0]) && !are_nearer(away, away));
+    }
+}
