@@ -72,8 +72,6 @@ const CLOSE: f64 = 1e-4;
 const ABOUT: f64 = 1e-3;
 /// Evaluations of a search for values that are compared: with exact columns what fits is found in half of them.
 const FEW: usize = 40;
-/// And from values that are about right.
-const FEWER: usize = 10;
 /// Sums of neighbouring rows whose correlation is looked at: every pair of them is.
 const MOST_BINS: usize = 2000;
 /// Shortest recording, s.
@@ -130,7 +128,7 @@ impl Fit {
     ) -> Result<Twin, ServoError> {
         let (stretches, tolerance, max_evaluations) = match self {
             Self::FromFar => (&STRETCHES[..1], ABOUT, FEW),
-            Self::About => (&STRETCHES[1..2], ABOUT, FEWER),
+            Self::About => (&STRETCHES[1..2], ABOUT, FEW),
             Self::Close => (&STRETCHES[1..], CLOSE, FEW),
         };
         let settings = &Settings { max_evaluations, ..Settings::default() };

@@ -80,7 +80,15 @@ impl<'a> Refits<'a> {
         let values: Vec<f64> = own.iter().map(|f| f.start).collect();
         let with_kept = with_kept(current, alone, &own);
         let starts = [with_values(&with_kept, &own, &values), current.clone()];
-        from_either(starts, |start| self.fitted(Fit::About, start, changes, changes.last()))
+        from_either(starts, |start| self.fitted(Fit::FromFar, start, changes, changes.last()))
+    }
+
+    /// A twin from [`beside`](Self::beside), to be held against one without the last change.
+    ///
+    /// # Errors
+    /// As [`identify`].
+    pub fn refined(&self, twin: &Twin, changes: &[Change]) -> Result<Twin, ServoError> {
+        self.fitted(Fit::About, twin, changes, changes.last())
     }
 
     /// `current`, which has all of `changes`, about without the `i`th.
@@ -97,7 +105,8 @@ impl<'a> Refits<'a> {
         let mut others = changes.to_vec();
         others.remove(i);
         from_either([start, self.before.twin.clone()], |start| {
-            self.fitted(Fit::About, start, &others, None)
+            let near = self.fitted(Fit::FromFar, start, &others, None)?;
+            self.fitted(Fit::About, &near, &others, None)
         })
     }
 

@@ -83,7 +83,7 @@ impl Sieve<'_> {
             let first = &open[..open.len().min(TRIED)];
             let tried: Vec<Tried> = first.par_iter().map(beside).collect::<Result<_, _>>()?;
             let mut used: Vec<usize> = first.iter().map(|t| t.index).collect();
-            if let Some((best, equals)) = self.best(&sifted, tried, offers) {
+            if let Some((best, equals)) = self.best(&sifted, tried, offers)? {
                 used = vec![best.index];
                 let mut with = sifted.clone();
                 with.add(best.index, equals);
@@ -194,15 +194,23 @@ impl Sieve<'_> {
         sifted: &Sifted,
         mut tried: Vec<Tried>,
         offers: &[Offer],
-    ) -> Option<(Tried, Vec<usize>)> {
+    ) -> Result<Option<(Tried, Vec<usize>)>, ServoError> {
+        tried.retain(|t| self.stands(sifted, t, offers));
+        let refined = |t: &Tried| {
+            let changes = with(&sifted.changes(offers), &offers[t.index]);
+            let twin = self.refits.refined(&t.twin, &changes)?;
+            Ok(Tried { gain: t.gain, ..self.tried(t.index, offers, twin)? })
+        };
+        // What stands is fitted by long stretches: another fit of the same values is no merit of a change.
+        tried = tried.par_iter().map(refined).collect::<Result<_, ServoError>>()?;
         tried.retain(|t| self.stands(sifted, t, offers));
         let mut nearest = self.nearest(&sifted.left, tried);
         nearest.sort_by_key(|t| t.index);
         let mut nearest = nearest.into_iter();
-        let first = nearest.next()?;
+        let Some(first) = nearest.next() else { return Ok(None) };
         let meets = |t: &Tried| offers[t.index].change.meets(&offers[first.index].change);
         let equals = nearest.filter(meets).map(|t| t.index).collect();
-        Some((first, equals))
+        Ok(Some((first, equals)))
     }
 
     /// Those that take off as much as any of them, or surely no less: a twin that is wrong otherwise tells no more.
