@@ -101,7 +101,8 @@ impl Sieve<'_> {
         self.needed(sifted, offers)
     }
 
-    /// Without what the others, taken up later, have made needless: what takes nothing sure off beside them, the least first.
+    /// Without what the others, taken up later, have made needless: what takes nothing sure off beside them, or has gone to the
+    /// end of its range, the least first.
     fn needed(&self, mut sifted: Sifted, offers: &[Offer]) -> Result<Sifted, ServoError> {
         while sifted.stand.len() > 1 {
             let changes = sifted.changes(offers);
@@ -117,7 +118,9 @@ impl Sieve<'_> {
             let takes_off = |i: usize, without: &Sizes| {
                 sifted.left.are_nearer(without, among(i), self.settings)
             };
-            idle.retain(|(i, _, without)| !takes_off(*i, without));
+            let is_at_bound = |c: &Change| is_at_bound(&sifted.mended.twin, c);
+            let at_bound: Vec<bool> = changes.iter().map(is_at_bound).collect::<Result<_, _>>()?;
+            idle.retain(|(i, _, without)| at_bound[*i] || !takes_off(*i, without));
             let units = sifted.left.units();
             let sum = |left: &Sizes| left.sum(&units);
             let least = idle.into_iter().min_by(|a, b| sum(&a.2).total_cmp(&sum(&b.2)));
