@@ -6,10 +6,11 @@
 //! far the twin is off, the second is small, so that its sensitivities are good. Values of what is found are then
 //! fitted by simulation, too.
 
+use super::fit::Fit;
 use super::judge::prove;
 use super::refit::Refits;
 use super::sift::{Sieve, Sifted};
-use super::{Fit, Free, ServoError, Settings, Track, free_parameters, linearised};
+use super::{Free, ServoError, Settings, Track, free_parameters, linearised};
 use crate::diagnosis::{self, Diagnosis, Offer, Traces, diagnose_proved};
 use crate::follow::Watch;
 use crate::series::JointSeries;

@@ -30,7 +30,7 @@ mod wound;
 
 pub use diagnose::{Found, diagnose};
 pub use error::ServoError;
-pub use fit::{Estimate, Fit, Fitted, Settings, identify};
+pub use fit::{Estimate, Fitted, Settings, identify};
 pub use gap::{JointPosition, PositionGap};
 pub use linear::linearised;
 pub use parameters::{Free, free_parameters};

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::fit::told;
+use super::fit::{Fit, told};
 use super::parameters::with_values;
-use super::{Estimate, Fit, Free, ServoError, Settings, Track, free_parameters, identify};
+use super::{Estimate, Free, ServoError, Settings, Track, free_parameters, identify};
 use crate::diagnosis::{Change, changed};
 use crate::effects::{Effect, Role, Scope, find};
 use crate::follow::Watch;
@@ -48,10 +48,7 @@ impl<'a> Refits<'a> {
     /// # Errors
     /// As [`identify`].
     pub fn none(&self) -> Result<Twin, ServoError> {
-        match self.free(&self.before.twin, &[])?.is_empty() {
-            true => Ok(self.before.twin.clone()),
-            false => self.fitted(Fit::FromFar, &self.before.twin, &[], None),
-        }
+        self.fitted(Fit::FromFar, &self.before.twin, &[], None)
     }
 
     /// The twin with one change, about. Good along one motion, values of the change may still be none that an arm can be

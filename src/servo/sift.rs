@@ -39,8 +39,6 @@ struct Tried {
     index: usize,
     twin: Twin,
     left: Sizes,
-    /// What it takes off the sum of errors alone, each joint in units of what is left of it.
-    gain: f64,
     /// Has the change a value at the end of its range?
     at_bound: bool,
 }
@@ -85,20 +83,27 @@ impl Sieve<'_> {
             let mut used: Vec<usize> = first.iter().map(|t| t.index).collect();
             if let Some((best, equals)) = self.best(&sifted, tried, offers)? {
                 used = vec![best.index];
-                let mut with = sifted.clone();
-                with.add(best.index, equals);
-                self.fit_all(&mut with, &best.twin, offers)?;
-                // Fitted beside all other values it may come to nothing.
-                let in_full = self.tried(best.index, offers, with.mended.twin.clone())?;
-                if self.stands(&sifted, &in_full, offers) {
-                    sifted = with;
-                }
+                sifted = self.taken_up(sifted, (best, equals), offers)?;
             }
             let taken = sifted.changes(offers);
             let overlaps = |t: &Tried| taken.iter().any(|c| offers[t.index].change.overlaps(c));
             open.retain(|t| !used.contains(&t.index) && !overlaps(t));
         }
         self.needed(sifted, offers)
+    }
+
+    /// What stands with one more and all values fitted, beside which that may come to nothing: then without it.
+    fn taken_up(
+        &self,
+        sifted: Sifted,
+        (one, equals): (Tried, Vec<usize>),
+        offers: &[Offer],
+    ) -> Result<Sifted, ServoError> {
+        let mut with = sifted.clone();
+        with.add(one.index, equals);
+        self.fit_all(&mut with, &one.twin, offers)?;
+        let in_full = self.tried(one.index, offers, with.mended.twin.clone())?;
+        Ok(if self.stands(&sifted, &in_full, offers) { with } else { sifted })
     }
 
     /// Without what the others, taken up later, have made needless: what takes nothing sure off beside them, or has gone to the
@@ -160,16 +165,16 @@ impl Sieve<'_> {
         let given = before.sum(&units).min(f64::MAX);
         let (done, count) = (AtomicU64::new(0), offers.len() as u64);
         let tell = |done| self.refits.watch.tell("fitting by simulation, cause", done, count);
-        let of = |(index, offer): (usize, &Offer)| -> Result<Tried, ServoError> {
+        let of = |(index, offer): (usize, &Offer)| -> Result<(f64, Tried), ServoError> {
             let tried = self.tried(index, offers, self.refits.alone(&offer.change)?)?;
             tell(1 + done.fetch_add(1, Ordering::Relaxed));
-            Ok(Tried { gain: given - tried.left.sum(&units), ..tried })
+            Ok((given - tried.left.sum(&units), tried))
         };
-        let mut all: Vec<Tried> =
+        let mut all: Vec<(f64, Tried)> =
             offers.par_iter().enumerate().map(of).collect::<Result<_, _>>()?;
-        all.retain(|t| t.gain > 0.0 || offers[t.index].among == 1);
-        all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        Ok(all)
+        all.retain(|(gain, t)| *gain > 0.0 || offers[t.index].among == 1);
+        all.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        Ok(all.into_iter().map(|(_, tried)| tried).collect())
     }
 
     /// What stands with one more.
@@ -181,14 +186,14 @@ impl Sieve<'_> {
     ) -> Result<Tried, ServoError> {
         let changes = with(&sifted.changes(offers), &offers[alone.index]);
         let twin = self.refits.beside(&sifted.mended.twin, &changes, &alone.twin)?;
-        Ok(Tried { gain: alone.gain, ..self.tried(alone.index, offers, twin)? })
+        self.tried(alone.index, offers, twin)
     }
 
-    /// A twin that a change was fitted in; its gain alone is not known here.
+    /// A twin that a change was fitted in.
     fn tried(&self, index: usize, offers: &[Offer], twin: Twin) -> Result<Tried, ServoError> {
         let left = self.left(&twin)?;
         let at_bound = is_at_bound(&twin, &offers[index].change)?;
-        Ok(Tried { index, twin, left, gain: 0.0, at_bound })
+        Ok(Tried { index, twin, left, at_bound })
     }
 
     /// The most plausible of those with which the error comes nearest, if it does, and the others of them.
@@ -202,7 +207,7 @@ impl Sieve<'_> {
         let refined = |t: &Tried| {
             let changes = with(&sifted.changes(offers), &offers[t.index]);
             let twin = self.refits.refined(&t.twin, &changes)?;
-            Ok(Tried { gain: t.gain, ..self.tried(t.index, offers, twin)? })
+            self.tried(t.index, offers, twin)
         };
         // What stands is fitted by long stretches: another fit of the same values is no merit of a change.
         tried = tried.par_iter().map(refined).collect::<Result<_, ServoError>>()?;
