@@ -3,10 +3,15 @@
 use super::candidate::{Candidate, Extent, Place, Term};
 use super::fit::Fit;
 use super::hypotheses::{Hypotheses, Hypothesis, Standing};
+use super::observed::Observed;
 use super::screen::screen;
 use super::search::Found;
+use super::traces::acts;
 use super::{Change, intervals};
 use crate::effects::Scope;
+
+/// What acts at so large a share of all samples acts always: the ends of a window are known to no better.
+const THROUGHOUT: f64 = 0.99;
 
 /// A change that may be a cause.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +41,9 @@ pub fn offered<'a>(
     });
     let usable = alone.iter().filter(|h| is_told(search, h) || is_free(h.candidate(), &taken_up));
     usable.flat_map(|h| changes(&h.fit)).for_each(|one| add(&mut may_be, one));
+    for all in [&mut said, &mut may_be] {
+        all.retain(|(term, _)| !is_a_load(search, term));
+    }
     may_be.retain(|(term, _)| !is_in(&said, term.candidate));
     let among = may_be.len();
     let mut all: Vec<(Term, Offer)> = offers(said, 1).chain(offers(may_be, among)).collect();
@@ -106,6 +114,15 @@ fn is_free(c: Candidate, taken_up: &[Candidate]) -> bool {
 fn is_of_the_arm(c: Candidate) -> bool {
     let of_a_joint = c.effect.about().scope == Scope::Joint || c.senses() || c.effect.gives_way();
     c.place == Place::Arm || !of_a_joint
+}
+
+/// Does it act all the time, in all recordings, although it is one that lasts a while? A force that never ends is a weight.
+fn is_a_load(search: &Hypotheses<'_>, term: &Term) -> bool {
+    let lasts = |part: &&Observed<'_>| {
+        let acts = acts(part, term);
+        acts.iter().filter(|acts| **acts).count() as f64 >= THROUGHOUT * acts.len() as f64
+    };
+    term.candidate.effect.lasts_a_while() && search.data.parts.iter().all(lasts)
 }
 
 /// The causes of a fit, as changes of the twin.

@@ -107,19 +107,26 @@ fn masses(twin: &Twin) -> Twin {
 
 /// True where a contact among the causes touches.
 fn contact(check: &Observed<'_>, fit: &Fit<'_>) -> Vec<bool> {
-    let motion = check.motion(&check.twin.robot);
     let mut touches = Vec::new();
     let causes = fit.model.causes.iter();
     let here = |t: &&Term| t.candidate.is_in(check.index);
     for term in causes.filter(|t| t.candidate.effect.lasts_a_while()).filter(here) {
         touches.resize(check.samples.len(), false);
-        for column in term.candidate.effect.reach(&motion, 0, &term.nonlinear) {
-            for joint in 0..column.joints() {
-                touches.iter_mut().zip(column.joint(joint)).for_each(|(t, c)| *t |= *c != 0.0);
-            }
-        }
+        touches.iter_mut().zip(acts(check, term)).for_each(|(t, acts)| *t |= acts);
     }
     touches
+}
+
+/// True where what lasts a while acts.
+pub fn acts(on: &Observed<'_>, term: &Term) -> Vec<bool> {
+    let motion = on.motion(&on.twin.robot);
+    let mut acts = vec![false; on.samples.len()];
+    for column in term.candidate.effect.reach(&motion, 0, &term.nonlinear) {
+        for joint in 0..column.joints() {
+            acts.iter_mut().zip(column.joint(joint)).for_each(|(t, c)| *t |= *c != 0.0);
+        }
+    }
+    acts
 }
 
 /// Series over all samples, from which the rows are taken.

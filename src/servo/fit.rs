@@ -200,10 +200,7 @@ fn searched(
         problem.counts_independent = counts_independent;
         go_on(watch);
         let errors = problem.errors(&found.x);
-        problem.weights = weights(problem, &errors);
-        if problem.counts_independent {
-            problem.prior_weight = rows_per_independent(problem, &errors).sqrt();
-        }
+        weigh(problem, &errors);
         let most = settings.max_evaluations / stretches.len();
         found = minimised(problem, found, (tolerance, most));
     }
@@ -228,6 +225,14 @@ fn minimised(
     let found = minimiser::minimise(problem, &from.x, &bounds, &settings);
     let evaluations = from.evaluations + found.evaluations;
     Search { x: found.x, evaluations, stop: found.stop }
+}
+
+/// Each joint by what is left of it, and what is expected of values by what independent rows would say.
+pub(super) fn weigh(problem: &mut Problem<'_>, errors: &[f64]) {
+    problem.weights = weights(problem, errors);
+    if problem.counts_independent {
+        problem.prior_weight = rows_per_independent(problem, errors).sqrt();
+    }
 }
 
 /// 1 / rms of each joint's errors, rounding counted among them.

@@ -46,6 +46,19 @@ impl Free {
         value - self.min <= reach || self.max - value <= reach
     }
 
+    /// What a twin has of it.
+    pub(super) fn value_in(&self, twin: &Twin) -> f64 {
+        let joint = self.joint.unwrap_or(0);
+        let listed = twin.values.get(self.parameter.name).and_then(|v| v.get(joint)).copied();
+        listed.unwrap_or_else(|| self.effect.in_drive(&twin.drive, joint))
+    }
+
+    /// By how much a value is another where a difference is taken, inside its range.
+    pub(super) fn step(&self, value: f64, most: f64) -> f64 {
+        let size = RELATIVE_STEP * value.abs().max(SMALL * self.usual().min(1.0));
+        if value + size > most { -size } else { size }
+    }
+
     /// How many values a twin has of it, and which of them this one is.
     fn places(&self, robot: &Robot) -> (usize, Range<usize>) {
         match (self.effect.about().scope, self.joint) {
@@ -64,6 +77,9 @@ impl Free {
     }
 }
 
+/// Step of a difference: this share of the value, or of what the parameter usually is where it is small.
+const RELATIVE_STEP: f64 = 1e-5;
+const SMALL: f64 = 0.05;
 /// A servo's loop swings so fast, Hz: the inertia a search begins with follows from that and its gain.
 const LOOP_HZ: f64 = 10.0;
 /// No rotor is lighter, kg.m2 at the joint; a joint without inertia cannot be stepped.

@@ -20,10 +20,6 @@ use crate::identification::levenberg_marquardt::Residuals;
 use crate::regression::bounds::Bounds;
 use crate::twin::Twin;
 
-/// Step of a difference: this share of the value, or of what the parameter usually is where it is small.
-const RELATIVE_STEP: f64 = 1e-5;
-const SMALL: f64 = 0.05;
-
 /// What is minimised.
 pub struct Problem<'a> {
     pub twin: &'a Twin,
@@ -172,12 +168,7 @@ impl Residuals for Problem<'_> {
 impl Problem<'_> {
     /// Steps of differences by the values.
     pub(super) fn steps(&self, x: &[f64], bounds: &Bounds) -> Vec<f64> {
-        let step = |i: usize| {
-            let usual = self.free[i].usual().min(1.0);
-            let size = RELATIVE_STEP * x[i].abs().max(SMALL * usual);
-            if x[i] + size > bounds.upper(i) { -size } else { size }
-        };
-        (0..x.len()).map(step).collect()
+        (0..x.len()).map(|i| self.free[i].step(x[i], bounds.upper(i))).collect()
     }
 
     /// Columns by the tangent of the simulation, where it has one; those of what cannot be simulated are not finite.

@@ -1,11 +1,9 @@
 //! Values of changes, fitted by simulation to one recording.
 
-use std::collections::BTreeMap;
-
 use super::fit::{Fit, told};
-use super::parameters::with_values;
+use super::sizes::Sizes;
 use super::{Estimate, Free, ServoError, Settings, Track, free_parameters, identify};
-use crate::diagnosis::{Change, changed};
+use crate::diagnosis::Change;
 use crate::effects::{Effect, Role, Scope, find};
 use crate::follow::Watch;
 use crate::twin::Twin;
@@ -23,7 +21,7 @@ pub struct Refitted {
 /// Fits to one recording, beginning with the twin as given, its open values fitted.
 pub struct Refits<'a> {
     twin: &'a Twin,
-    fit: &'a Track,
+    pub(super) fit: &'a Track,
     /// Who follows the fits.
     pub watch: &'a dyn Watch,
     pub before: Refitted,
@@ -43,27 +41,8 @@ impl<'a> Refits<'a> {
         Ok(refits)
     }
 
-    /// The twin without a change, as near as those with one are found.
-    ///
-    /// # Errors
-    /// As [`identify`].
-    pub fn none(&self) -> Result<Twin, ServoError> {
-        self.fitted(Fit::FromFar, &self.before.twin, &[], None)
-    }
-
-    /// The twin with one change, about. Good along one motion, values of the change may still be none that an arm can be
-    /// led with: then from where it is absent.
-    ///
-    /// # Errors
-    /// As [`identify`].
-    pub fn alone(&self, change: &Change) -> Result<Twin, ServoError> {
-        let own = std::slice::from_ref(change);
-        let starts = [own, &[]].map(|c| changed(self.twin, &self.open_values(), c));
-        from_either(starts, |start| self.fitted(Fit::FromFar, start, own, Some(change)))
-    }
-
-    /// `current`, which has all of `changes` but the last, about with the last as well; its values begin with those in
-    /// `alone`.
+    /// `current` with all of `changes`, the last of which it lacks: what that meets is fitted from `start`, about what is
+    /// sought.
     ///
     /// # Errors
     /// As [`identify`].
@@ -71,21 +50,9 @@ impl<'a> Refits<'a> {
         &self,
         current: &Twin,
         changes: &[Change],
-        alone: &Twin,
+        start: &Twin,
     ) -> Result<Twin, ServoError> {
-        let own = changes.last().map_or(Ok(Vec::new()), |last| parameters(alone, last))?;
-        let values: Vec<f64> = own.iter().map(|f| f.start).collect();
-        let with_kept = with_kept(current, alone, &own);
-        let starts = [with_values(&with_kept, &own, &values), current.clone()];
-        from_either(starts, |start| self.fitted(Fit::FromFar, start, changes, changes.last()))
-    }
-
-    /// A twin from [`beside`](Self::beside), to be held against one without the last change.
-    ///
-    /// # Errors
-    /// As [`identify`].
-    pub fn refined(&self, twin: &Twin, changes: &[Change]) -> Result<Twin, ServoError> {
-        self.fitted(Fit::About, twin, changes, changes.last())
+        self.about([start, current], changes, changes.last())
     }
 
     /// `current`, which has all of `changes`, about without the `i`th.
@@ -101,10 +68,34 @@ impl<'a> Refits<'a> {
         let start = taken_out(current, &self.before.twin, &changes[i]);
         let mut others = changes.to_vec();
         others.remove(i);
-        from_either([start, self.before.twin.clone()], |start| {
-            let near = self.fitted(Fit::FromFar, start, &others, None)?;
-            self.fitted(Fit::About, &near, &others, None)
-        })
+        self.about([&start, &self.before.twin], &others, None)
+    }
+
+    /// Values to be compared: from `start` at once, and from where short stretches lead from there (or from `other`, where the
+    /// twin runs away from `start`); the nearer to the recording of both. A few stops of the arm lead short stretches astray,
+    /// long ones stay where they are far from what is sought.
+    fn about(
+        &self,
+        [start, other]: [&Twin; 2],
+        changes: &[Change],
+        around: Option<&Change>,
+    ) -> Result<Twin, ServoError> {
+        let far = match self.fitted(Fit::FromFar, start, changes, around) {
+            Err(ServoError::Diverged { .. }) => self.fitted(Fit::FromFar, other, changes, around),
+            fitted => fitted,
+        };
+        let far = self.fitted(Fit::About, &far?, changes, around)?;
+        let near = match self.fitted(Fit::About, start, changes, around) {
+            Err(ServoError::Diverged { .. }) => return Ok(far),
+            near => near?,
+        };
+        let [by_near, by_far] = [&near, &far].map(|twin| self.left(twin));
+        Ok(if by_near?.ln() < by_far?.ln() { near } else { far })
+    }
+
+    /// What a twin leaves of the recording.
+    fn left(&self, twin: &Twin) -> Result<Sizes, ServoError> {
+        Sizes::along(self.fit, twin, Settings::default().horizon_s)
     }
 
     /// `near` with the values of what the twin leaves open, and of the changes, fitted.
@@ -146,9 +137,9 @@ impl<'a> Refits<'a> {
     }
 
     /// What the twin leaves open, and the parameters of the changes where they act, with their values in `start`. They are
-    /// expected near those, beside changes near those before, as far off as such effects usually are or as a search
-    /// has them: what the recording does not tell stays there (friction of a joint that hardly moves).
-    fn free(&self, start: &Twin, changes: &[Change]) -> Result<Vec<Free>, ServoError> {
+    /// expected near those, beside changes near those before, as far off as such effects usually are, or as a
+    /// search has them: what the recording does not tell stays there (friction of a joint that hardly moves).
+    pub(super) fn free(&self, start: &Twin, changes: &[Change]) -> Result<Vec<Free>, ServoError> {
         let open: Vec<String> = self.twin.open().map(|e| e.about().name.to_string()).collect();
         let all = |twin: &Twin| -> Result<Vec<Free>, ServoError> {
             let mut free = free_parameters(twin, &open)?;
@@ -163,21 +154,14 @@ impl<'a> Refits<'a> {
         if changes.is_empty() {
             return Ok(own.into_iter().map(|f| f.near_start(start)).collect());
         }
-        let before = all(&self.before.twin)?.into_iter().map(|f| f.near_start(start));
         let placed = |(before, own): (Free, Free)| {
             let linear = own.parameter.role == Role::Linear;
             let expected = if linear { before.expected } else { own.start };
-            let spread = before.spread.max((own.start - expected).abs());
+            let off = changes.iter().find_map(|change| off(change, &before)).unwrap_or(0.0);
+            let Free { spread, .. } = Free { start: off, ..before }.near_start(start);
             Free { start: own.start, expected, spread, ..before }
         };
-        Ok(before.zip(own).map(placed).collect())
-    }
-
-    /// Fitted values of what the twin leaves open.
-    fn open_values(&self) -> BTreeMap<String, Vec<f64>> {
-        let open = self.twin.open().flat_map(|e| e.about().parameters).map(|p| p.name);
-        let fitted = &self.before.twin.values;
-        open.filter_map(|name| Some((name.into(), fitted.get(name)?.clone()))).collect()
+        Ok(all(&self.before.twin)?.into_iter().zip(own).map(placed).collect())
     }
 }
 
@@ -197,19 +181,19 @@ pub fn is_at_bound(fitted: &Twin, change: &Change) -> Result<bool, ServoError> {
     Ok(parameters(fitted, change)?.iter().any(|f| f.is_bound(f.start)))
 }
 
-/// `twin` with those values of the effects of `own` that no fit moves, as `found` has them, where it has none.
-fn with_kept(twin: &Twin, found: &Twin, own: &[Free]) -> Twin {
-    let mut with = twin.clone();
-    for name in own.iter().flat_map(|f| f.effect.kept()) {
-        if let Some(values) = found.values.get(*name) {
-            with.values.entry((*name).into()).or_insert_with(|| values.clone());
-        }
-    }
-    with
-}
-
 fn is_same(a: &Free, b: &Free) -> bool {
     (a.parameter.name, a.joint) == (b.parameter.name, b.joint)
+}
+
+/// How far from where it is expected a search has a value that a change has.
+fn off(change: &Change, f: &Free) -> Option<f64> {
+    let acts = |joint: usize| change.joints.is_empty() || change.joints.contains(&(joint + 1));
+    if change.effect != f.effect.about().name || !f.joint.is_none_or(acts) {
+        return None;
+    }
+    let here = |joint: Option<usize>| joint.is_none_or(|j| f.joint.is_none_or(|own| own + 1 == j));
+    let found = change.parameters.iter().find(|v| v.name == f.parameter.name && here(v.joint))?;
+    Some(if change.replaces { found.value - f.expected } else { found.value })
 }
 
 /// Does a value act where the change does? A joint's own hardly move other joints.
@@ -248,15 +232,4 @@ pub fn taken_out(mended: &Twin, twin: &Twin, change: &Change) -> Twin {
         }
     }
     without
-}
-
-/// What comes of the first start, of the second where the twin runs away from the first.
-fn from_either<T>(
-    [near, far]: [Twin; 2],
-    fit: impl Fn(&Twin) -> Result<T, ServoError>,
-) -> Result<T, ServoError> {
-    match fit(&near) {
-        Err(ServoError::Diverged { .. }) => fit(&far),
-        fitted => fitted,
-    }
 }

@@ -4,11 +4,10 @@
 //! a change with which the simulated position does not surely come nearer is none. With and without it the twin is fitted
 //! the same way: what another fit of the same values changes is no merit of a change.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use rayon::prelude::*;
 
 use super::refit::{Refits, Refitted, is_at_bound};
+use super::screen::{Starts, starts};
 use super::sizes::Sizes;
 use super::{ServoError, Track};
 use crate::diagnosis::{Change, Offer, Settings, Stands};
@@ -21,9 +20,11 @@ pub struct Sieve<'a> {
     pub settings: &'a Settings,
 }
 
-/// Changes that are tried beside what stands, in one round: those that take off most alone, in which order they
-/// are beside others is not known.
+/// Changes that are fitted beside what stands in one round, at most: those that promise most.
 const TRIED: usize = 10;
+/// What a change takes off where a fit of it begins is about so large a share of what it takes off in the end: one that promises
+/// less than this share of the best cannot pass it.
+const PROMISING: f64 = 0.5;
 
 /// Which changes stand, and the twin with them.
 #[derive(Clone)]
@@ -34,7 +35,13 @@ pub struct Sifted {
     left: Sizes,
 }
 
-/// A twin with one change alone, or with one more.
+/// A change worth a fit beside what stands, and where that begins.
+struct Promising {
+    index: usize,
+    start: Twin,
+}
+
+/// A twin with one change more.
 struct Tried {
     index: usize,
     twin: Twin,
@@ -58,7 +65,7 @@ impl Sifted {
 
 impl Sieve<'_> {
     /// Which of the changes that are offered, the most plausible first, take something sure off the simulated position's
-    /// error, taken up one after the other: each time that with which it comes nearest along the command of `check` beside
+    /// error, taken up one after the other: those that promise something are fitted, and each time that stands with which it comes nearest along the command of `check` beside
     /// what there is already; of what takes off as much the most plausible, and the others like that are its equals. Many
     /// values always follow the recording better that they are fitted to: that tells nothing. In the end each has to
     /// take something off beside all others.
@@ -69,25 +76,26 @@ impl Sieve<'_> {
         let mended = self.refits.before.clone();
         let left = self.left(&mended.twin)?;
         let mut sifted = Sifted { stand: Vec::new(), mended, left };
-        let mut open = self.alone(offers)?;
+        let mut open: Vec<usize> = (0..offers.len()).collect();
         for round in 0.. {
-            if open.is_empty() {
+            let promising = self.promising(&sifted, offers, &open)?;
+            if promising.is_empty() {
                 break;
             }
             // Every round takes one up, or puts several aside.
             let at_most = round + open.len() as u64;
             self.refits.watch.bound("fitting causes together by simulation", round, at_most);
-            let beside = |alone: &Tried| self.beside(&sifted, offers, alone);
-            let first = &open[..open.len().min(TRIED)];
-            let tried: Vec<Tried> = first.par_iter().map(beside).collect::<Result<_, _>>()?;
-            let mut used: Vec<usize> = first.iter().map(|t| t.index).collect();
+            let mut used: Vec<usize> = promising.iter().map(|p| p.index).collect();
+            let beside = |one: Promising| self.beside(&sifted, offers, one);
+            let tried: Vec<Tried> =
+                promising.into_par_iter().map(beside).collect::<Result<_, _>>()?;
             if let Some((best, equals)) = self.best(&sifted, tried, offers)? {
                 used = vec![best.index];
                 sifted = self.taken_up(sifted, (best, equals), offers)?;
             }
             let taken = sifted.changes(offers);
-            let overlaps = |t: &Tried| taken.iter().any(|c| offers[t.index].change.overlaps(c));
-            open.retain(|t| !used.contains(&t.index) && !overlaps(t));
+            let overlaps = |i: usize| taken.iter().any(|c| offers[i].change.overlaps(c));
+            open.retain(|i| !used.contains(i) && !overlaps(*i));
         }
         self.needed(sifted, offers)
     }
@@ -126,9 +134,7 @@ impl Sieve<'_> {
             let is_at_bound = |c: &Change| is_at_bound(&sifted.mended.twin, c);
             let at_bound: Vec<bool> = changes.iter().map(is_at_bound).collect::<Result<_, _>>()?;
             idle.retain(|(i, _, without)| at_bound[*i] || !takes_off(*i, without));
-            let units = sifted.left.units();
-            let sum = |left: &Sizes| left.sum(&units);
-            let least = idle.into_iter().min_by(|a, b| sum(&a.2).total_cmp(&sum(&b.2)));
+            let least = idle.into_iter().min_by(|a, b| a.2.ln().total_cmp(&b.2.ln()));
             let Some((i, twin, _)) = least else { break };
             sifted.stand.remove(i);
             self.fit_all(&mut sifted, &twin, offers)?;
@@ -156,25 +162,30 @@ impl Sieve<'_> {
         Ok(())
     }
 
-    /// Each change alone, fitted to one recording: that with which the other is predicted best comes first. What no search
-    /// says is there has to take something off alone.
-    fn alone(&self, offers: &[Offer]) -> Result<Vec<Tried>, ServoError> {
-        let before = self.left(&self.refits.none()?)?;
-        let units = before.units();
-        // Of a twin that runs away as given everything takes off as much.
-        let given = before.sum(&units).min(f64::MAX);
-        let (done, count) = (AtomicU64::new(0), offers.len() as u64);
-        let tell = |done| self.refits.watch.tell("fitting by simulation, cause", done, count);
-        let of = |(index, offer): (usize, &Offer)| -> Result<(f64, Tried), ServoError> {
-            let tried = self.tried(index, offers, self.refits.alone(&offer.change)?)?;
-            tell(1 + done.fetch_add(1, Ordering::Relaxed));
-            Ok((given - tried.left.sum(&units), tried))
-        };
-        let mut all: Vec<(f64, Tried)> =
-            offers.par_iter().enumerate().map(of).collect::<Result<_, _>>()?;
-        all.retain(|(gain, t)| *gain > 0.0 || offers[t.index].among == 1);
-        all.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-        Ok(all.into_iter().map(|(_, tried)| tried).collect())
+    /// Those of the open changes that promise most beside what stands: with which the twin comes nearer before they are fitted.
+    fn promising(
+        &self,
+        sifted: &Sifted,
+        offers: &[Offer],
+        open: &[usize],
+    ) -> Result<Vec<Promising>, ServoError> {
+        let changes = sifted.changes(offers);
+        let others: Vec<&Change> = open.iter().map(|i| &offers[*i].change).collect();
+        let Starts { without, with } =
+            starts(self.refits, (&sifted.mended.twin, &changes), &others)?;
+        let now = self.left(&without)?;
+        let left: Vec<Sizes> = with.par_iter().map(|t| self.left(t)).collect::<Result<_, _>>()?;
+        let mut told = Vec::new();
+        for ((&index, start), left) in open.iter().zip(with).zip(left) {
+            let gain = now.ln() - left.ln();
+            if left.are_nearer(&now, offers[index].among, self.settings) {
+                told.push((gain, Promising { index, start }));
+            }
+        }
+        told.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        let least = told.first().map_or(0.0, |(most, _)| PROMISING * most);
+        let told = told.into_iter().filter(|(gain, _)| *gain >= least).map(|(_, p)| p);
+        Ok(told.take(TRIED).collect())
     }
 
     /// What stands with one more.
@@ -182,11 +193,11 @@ impl Sieve<'_> {
         &self,
         sifted: &Sifted,
         offers: &[Offer],
-        alone: &Tried,
+        Promising { index, start }: Promising,
     ) -> Result<Tried, ServoError> {
-        let changes = with(&sifted.changes(offers), &offers[alone.index]);
-        let twin = self.refits.beside(&sifted.mended.twin, &changes, &alone.twin)?;
-        self.tried(alone.index, offers, twin)
+        let changes = with(&sifted.changes(offers), &offers[index]);
+        let twin = self.refits.beside(&sifted.mended.twin, &changes, &start)?;
+        self.tried(index, offers, twin)
     }
 
     /// A twin that a change was fitted in.
@@ -204,14 +215,6 @@ impl Sieve<'_> {
         offers: &[Offer],
     ) -> Result<Option<(Tried, Vec<usize>)>, ServoError> {
         tried.retain(|t| self.stands(sifted, t, offers));
-        let refined = |t: &Tried| {
-            let changes = with(&sifted.changes(offers), &offers[t.index]);
-            let twin = self.refits.refined(&t.twin, &changes)?;
-            self.tried(t.index, offers, twin)
-        };
-        // What stands is fitted by long stretches: another fit of the same values is no merit of a change.
-        tried = tried.par_iter().map(refined).collect::<Result<_, ServoError>>()?;
-        tried.retain(|t| self.stands(sifted, t, offers));
         let mut nearest = self.nearest(&sifted.left, tried);
         nearest.sort_by_key(|t| t.index);
         let mut nearest = nearest.into_iter();
@@ -223,19 +226,16 @@ impl Sieve<'_> {
 
     /// Those that take off as much as any of them, or surely no less: a twin that is wrong otherwise tells no more.
     fn nearest(&self, before: &Sizes, mut tried: Vec<Tried>) -> Vec<Tried> {
-        let Some(first) = tried.first() else { return tried };
-        let units = first.left.units();
-        let sum = |sizes: &Sizes| sizes.sum(&units);
         let all = tried.iter().map(|t| &t.left);
-        let Some(nearest) = all.min_by(|a, b| sum(a).total_cmp(&sum(b))).cloned() else {
+        let Some(nearest) = all.min_by(|a, b| a.ln().total_cmp(&b.ln())).cloned() else {
             return tried;
         };
-        let gain = sum(before) - sum(&nearest);
+        let gain = before.ln() - nearest.ln();
         let wrong_by = self.settings.criteria.least_gain_inexact * gain;
         // Where the twin runs away without, gains are no measure.
-        let most = sum(&nearest) + if gain.is_finite() { wrong_by } else { 0.0 };
+        let most = nearest.ln() + if gain.is_finite() { wrong_by } else { 0.0 };
         let is_near =
-            |sizes: &Sizes| sum(sizes) <= most || !nearest.are_nearer(sizes, 1, self.settings);
+            |sizes: &Sizes| sizes.ln() <= most || !nearest.are_nearer(sizes, 1, self.settings);
         tried.retain(|t| is_near(&t.left));
         tried
     }
@@ -247,7 +247,7 @@ impl Sieve<'_> {
     }
 
     fn left(&self, twin: &Twin) -> Result<Sizes, ServoError> {
-        Sizes::along(self.check, twin)
+        Sizes::along(self.check, twin, f64::INFINITY)
     }
 }
 

@@ -7,7 +7,8 @@ use super::{ServoError, Track, replay};
 use crate::diagnosis::{Settings, interval};
 use crate::twin::Twin;
 
-/// Sizes of errors along the command of a recording, each joint, rad; infinite where the twin runs away.
+/// Sizes of errors along the command of a recording, in stretches that begin in measured states, each joint, rad; infinite
+/// where the twin runs away.
 #[derive(Clone)]
 pub struct Sizes {
     joints: Vec<Vec<f64>>,
@@ -20,9 +21,9 @@ pub struct Sizes {
 impl Sizes {
     /// # Errors
     /// If the twin cannot be simulated.
-    pub fn along(track: &Track, twin: &Twin) -> Result<Self, ServoError> {
+    pub fn along(track: &Track, twin: &Twin, horizon_s: f64) -> Result<Self, ServoError> {
         let used: Vec<usize> = (0..track.len()).filter(|&k| track.usable[k]).collect();
-        let joints = match replay(twin, track, &track.stretches(f64::INFINITY)) {
+        let joints = match replay(twin, track, &track.stretches(horizon_s)) {
             Ok(q) => {
                 let size = |j: usize, k: usize| (q.joint(j)[k] - track.q.joint(j)[k]).abs();
                 let of = |j: usize| used.iter().map(|&k| size(j, k)).collect();
@@ -38,15 +39,17 @@ impl Sizes {
     }
 
     /// What is left of each joint, rad, at least its rounding.
-    pub fn units(&self) -> Vec<f64> {
+    fn units(&self) -> Vec<f64> {
         let known = |left: f64| if left.is_finite() { left } else { 0.0 };
         let of = |(left, least): (f64, &f64)| known(left).max(*least);
         self.means().into_iter().zip(&self.rounding).map(of).collect()
     }
 
-    /// Errors of all joints together, each in units of its own.
-    pub fn sum(&self, units: &[f64]) -> f64 {
-        self.summed(units).iter().sum()
+    /// How large errors are over all joints, each by the logarithm of its mean, at least its rounding: minus the log-likelihood
+    /// of each sample, as errors of unknown scale (Laplace) have it. Infinite where the twin runs away.
+    pub fn ln(&self) -> f64 {
+        let of = |(mean, least): (f64, &f64)| mean.max(*least).ln();
+        self.means().into_iter().zip(&self.rounding).map(of).sum()
     }
 
     /// Are these errors surely smaller, and by enough, where so many are looked at? Each joint counts in units of what is

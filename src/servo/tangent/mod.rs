@@ -27,7 +27,7 @@ use moved::Moved;
 /// An arm and how its state changes with some values.
 #[derive(Clone)]
 pub struct Tangent {
-    plant: Plant,
+    pub(super) plant: Plant,
     moved: Vec<Moved>,
     /// Derivatives of motors' positions and velocities, and of what gears transmit: joint by joint, value by value.
     dq: Vec<f64>,

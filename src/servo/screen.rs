@@ -1,0 +1,229 @@
+//! Where a fit of each of many changes of a twin begins: at the values that meet a recording best to first order, all of them
+//! from one simulation with its tangent. The other recording then tells what is worth the fit.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::fit::weigh;
+use super::parameters::with_values;
+use super::problem::Problem;
+use super::refit::{Refits, taken_out};
+use super::replay::lead;
+use super::tangent::Tangent;
+use super::{Free, Plant, ServoError, Settings, Track};
+use crate::diagnosis::{Change, changed};
+use crate::regression::bounded;
+use crate::regression::bounds::Bounds;
+use crate::twin::Twin;
+
+/// Where fits of a twin with changes begin, and of each change beside them.
+pub struct Starts {
+    pub without: Twin,
+    pub with: Vec<Twin>,
+}
+
+/// A twin and values of it, varied from where they are.
+struct Varied {
+    twin: Twin,
+    free: Vec<Free>,
+}
+
+/// Errors along a recording (rad, joint after joint), and how they change with each value.
+struct Along {
+    errors: DVector<f64>,
+    columns: DMatrix<f64>,
+}
+
+/// Errors by the values of the twin first, then by those of each change.
+struct Linear {
+    shared: Varied,
+    along: Along,
+    /// Weights of each joint's rows, 1/rad, and of what is expected of a value.
+    weights: Vec<f64>,
+    prior_weight: f64,
+}
+
+/// Where fits begin of `others` beside `changes`, which `twin` has: at those values by which the recording of `refits` would be
+/// met best if errors were linear in them; at those of the search where no tangent tells.
+///
+/// # Errors
+/// If a change has values that cannot be fitted.
+pub fn starts(
+    refits: &Refits<'_>,
+    (twin, changes): (&Twin, &[Change]),
+    others: &[&Change],
+) -> Result<Starts, ServoError> {
+    let varied = |twin: &Twin| -> Result<Vec<Varied>, ServoError> {
+        others.par_iter().map(|other| absent(refits, twin, changes, other)).collect()
+    };
+    let begun = varied(twin)?.iter().fold(twin.clone(), begun);
+    let shared = Varied { twin: begun.clone(), free: refits.free(&begun, changes)? };
+    let own = varied(&begun)?;
+    let known: Vec<bool> = own.par_iter().map(Varied::is_known).collect();
+    let told: Vec<&Varied> =
+        own.iter().zip(&known).filter(|(_, known)| **known).map(|(v, _)| v).collect();
+    let Some(linear) = Linear::new(refits.fit, shared, &told) else {
+        let with = others.iter().map(|other| found(twin, other)).collect();
+        return Ok(Starts { without: twin.clone(), with });
+    };
+    let mut solved = linear.solved(&told).into_iter();
+    let start = |(other, known): (&&Change, &bool)| {
+        let told = if *known { solved.next() } else { None };
+        told.unwrap_or_else(|| found(twin, other))
+    };
+    let with = others.iter().zip(&known).map(start).collect();
+    Ok(Starts { without: linear.without(twin), with })
+}
+
+/// `twin` with a change as a search has it.
+fn found(twin: &Twin, change: &Change) -> Twin {
+    changed(twin, &BTreeMap::new(), std::slice::from_ref(change))
+}
+
+/// `twin` with a change that does nothing yet, and those of its values by which it would.
+fn absent(
+    refits: &Refits<'_>,
+    twin: &Twin,
+    changes: &[Change],
+    change: &Change,
+) -> Result<Varied, ServoError> {
+    let found = found(twin, change);
+    let absent = taken_out(&found, twin, change);
+    let with: Vec<Change> = changes.iter().chain([change]).cloned().collect();
+    let shared = refits.free(twin, changes)?.len();
+    let acts = |f: &Free| f.parameter.null.is_finite();
+    let own = refits.free(&found, &with)?.into_iter().skip(shared).filter(acts);
+    let free = own.map(|f| Free { start: f.value_in(&absent).clamp(f.min, f.max), ..f }).collect();
+    Ok(Varied { twin: absent, free })
+}
+
+/// `twin` with next to nothing of what has to be something to be varied: a load without mass has no centre.
+fn begun(twin: Twin, own: &Varied) -> Twin {
+    let is_begun = own.free.iter().all(|f| f.start == f.value_in(&own.twin));
+    match is_begun || own.moved(0.0).is_none() {
+        true => twin,
+        false => with_values(&twin, &own.free, &own.starts()),
+    }
+}
+
+impl Varied {
+    /// Does a tangent tell what its values do?
+    fn is_known(&self) -> bool {
+        !self.free.is_empty() && self.moved(0.0).is_some()
+    }
+
+    fn starts(&self) -> Vec<f64> {
+        self.free.iter().map(|f| f.start).collect()
+    }
+
+    /// The arm with each value a step further, and the step; `None` where one of them has no tangent.
+    fn moved(&self, start_s: f64) -> Option<Vec<(Plant, f64)>> {
+        let of = |(i, f): (usize, &Free)| {
+            let (mut x, step) = (self.starts(), f.step(f.start, f.max));
+            x[i] += step;
+            let plant = Plant::new(&with_values(&self.twin, &self.free, &x), start_s).ok()?;
+            plant.is_plain().then_some((plant, step))
+        };
+        self.free.iter().enumerate().map(of).collect()
+    }
+}
+
+impl Along {
+    /// `None` where the arm has no tangent or runs away.
+    fn new(track: &Track, horizon_s: f64, all: &[&Varied]) -> Option<Self> {
+        let plant = Plant::new(&all.first()?.twin, track.start).ok()?;
+        let moved = all.iter().map(|v| v.moved(track.start)).collect::<Option<Vec<_>>>()?.concat();
+        let tangent = Tangent::new(plant, &moved)?;
+        let stretches = track.stretches(horizon_s);
+        let of = |stretch: &std::ops::Range<usize>| {
+            let mut rows: Vec<Vec<f64>> = Vec::with_capacity(stretch.len() * track.joints());
+            let mut k = stretch.start;
+            lead(&mut tangent.clone(), track, stretch, |tangent| {
+                for j in 0..track.joints() {
+                    let error = tangent.plant.shown(j) - track.q.joint(j)[k];
+                    let columns = (0..moved.len()).map(|i| tangent.shown(j, i));
+                    rows.push([error].into_iter().chain(columns).collect());
+                }
+                k += 1;
+            })
+            .ok()?;
+            Some(rows)
+        };
+        let rows: Vec<Vec<f64>> =
+            stretches.par_iter().map(of).collect::<Option<Vec<_>>>()?.concat();
+        let (dof, samples) = (track.joints(), rows.len() / track.joints());
+        let at = |row: usize| &rows[row % samples * dof + row / samples];
+        let errors = DVector::from_fn(rows.len(), |row, _| at(row)[0]);
+        let columns = DMatrix::from_fn(rows.len(), moved.len(), |row, i| at(row)[1 + i]);
+        columns.iter().all(|c| c.is_finite()).then_some(Self { errors, columns })
+    }
+}
+
+impl Linear {
+    /// `None` where the arm has no tangent or runs away.
+    fn new(fit: &Track, shared: Varied, own: &[&Varied]) -> Option<Self> {
+        let all: Vec<&Varied> = [&shared].into_iter().chain(own.iter().copied()).collect();
+        let horizon_s = Settings::default().horizon_s;
+        let along = Along::new(fit, horizon_s, &all)?;
+        let tracks = [fit];
+        let mut problem = Problem::new(&shared.twin, &tracks, &shared.free, horizon_s);
+        problem.counts_independent = true;
+        weigh(&mut problem, along.errors.as_slice());
+        let Problem { weights, prior_weight, .. } = problem;
+        Some(Self { weights, prior_weight, along, shared })
+    }
+
+    /// `twin` with its values where they would meet the recording best.
+    fn without(&self, twin: &Twin) -> Twin {
+        let none = Varied { twin: twin.clone(), free: Vec::new() };
+        self.solved(&[&none]).pop().unwrap_or_else(|| twin.clone())
+    }
+
+    /// Twins with values of their own beside those of all.
+    fn solved(&self, own: &[&Varied]) -> Vec<Twin> {
+        let rows = self.along.errors.len() / self.weights.len();
+        let weight = |row: usize| self.weights[row / rows];
+        let mut columns = self.along.columns.clone();
+        columns.row_iter_mut().enumerate().for_each(|(i, mut row)| row *= weight(i));
+        let errors = DVector::from_fn(columns.nrows(), |i, _| weight(i) * self.along.errors[i]);
+        let (gram, pull) = (columns.tr_mul(&columns), -columns.tr_mul(&errors));
+        let shared = self.shared.free.len();
+        let mut end = shared;
+        let of = |varied: &&Varied| {
+            let begin = end;
+            end += varied.free.len();
+            let at: Vec<usize> = (0..shared).chain(begin..end).collect();
+            let gram = DMatrix::from_fn(at.len(), at.len(), |i, k| gram[(at[i], at[k])]);
+            let pull = DVector::from_fn(at.len(), |i, _| pull[at[i]]);
+            let nearest = |own: Vec<Free>| {
+                let free: Vec<Free> = self.shared.free.iter().copied().chain(own).collect();
+                let x = self.nearest(&free, gram.clone(), pull.clone());
+                with_values(&varied.twin, &free, &x)
+            };
+            let first = nearest(varied.free.clone());
+            // What is expected of a load's moments follows from its mass.
+            nearest(varied.free.iter().map(|f| f.near_start(&first)).collect())
+        };
+        own.iter().map(of).collect()
+    }
+
+    /// Values that meet the recording best, in their range and near where they are expected.
+    fn nearest(&self, free: &[Free], mut gram: DMatrix<f64>, mut pull: DVector<f64>) -> Vec<f64> {
+        for (i, f) in free.iter().enumerate() {
+            let weight = (self.prior_weight / f.spread).powi(2);
+            gram[(i, i)] += weight;
+            pull[i] -= weight * (f.start - f.expected);
+        }
+        let range = |end: fn(&Free) -> f64| free.iter().map(|f| end(f) - f.start).collect();
+        let bounds = Bounds::new(range(|f| f.min), range(|f| f.max));
+        let by = bounds.ok().zip(gram.cholesky()).and_then(|(bounds, root)| {
+            let root = root.l();
+            let measured = root.solve_lower_triangular(&pull)?;
+            Some(bounded::solve(&root.transpose(), &measured, &bounds))
+        });
+        let by = by.unwrap_or_else(|| DVector::zeros(free.len()));
+        free.iter().zip(&by).map(|(f, by)| f.start + by).collect()
+    }
+}
