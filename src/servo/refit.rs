@@ -41,6 +41,28 @@ impl<'a> Refits<'a> {
         Ok(refits)
     }
 
+    /// `start`, which has `changes` and one more, with the values of that one fitted, about, and all others as they are.
+    ///
+    /// # Errors
+    /// As [`identify`].
+    pub fn alone(
+        &self,
+        start: &Twin,
+        changes: &[Change],
+        change: &Change,
+    ) -> Result<Twin, ServoError> {
+        let with: Vec<Change> = changes.iter().chain([change]).cloned().collect();
+        let others = self.free(start, changes)?.len();
+        let own = self.free(start, &with)?.split_off(others);
+        if own.is_empty() {
+            return Ok(start.clone());
+        }
+        match Fit::FromFar.of(start, &[self.fit], &own, self.watch) {
+            Err(ServoError::Diverged { .. }) => Ok(start.clone()),
+            fitted => fitted,
+        }
+    }
+
     /// `current` with all of `changes`, the last of which it lacks: what that meets is fitted from `start`, about what is
     /// sought.
     ///

@@ -46,7 +46,7 @@ struct Linear {
 }
 
 /// Where fits begin of `others` beside `changes`, which `twin` has: at those values by which the recording of `refits` would be
-/// met best if errors were linear in them; at those of the search where no tangent tells.
+/// met best if errors were linear in them; where no tangent tells, at those of a fit of the change's own.
 ///
 /// # Errors
 /// If a change has values that cannot be fitted.
@@ -64,17 +64,20 @@ pub fn starts(
     let known: Vec<bool> = own.par_iter().map(Varied::is_known).collect();
     let told: Vec<&Varied> =
         own.iter().zip(&known).filter(|(_, known)| **known).map(|(v, _)| v).collect();
-    let Some(linear) = Linear::new(refits.fit, shared, &told) else {
-        let with = others.iter().map(|other| found(twin, other)).collect();
-        return Ok(Starts { without: twin.clone(), with });
+    let linear = Linear::new(refits.fit, shared, &told);
+    let solved = linear.iter().flat_map(|linear| linear.solved(&told));
+    let mut solved: Vec<Option<Twin>> = solved.map(Some).collect();
+    solved.resize_with(told.len(), || None);
+    let mut solved = solved.into_iter();
+    let starts: Vec<Option<Twin>> =
+        known.iter().map(|known| if *known { solved.next().flatten() } else { None }).collect();
+    let start = |(start, other): (Option<Twin>, &&Change)| match start {
+        Some(twin) => Ok(twin),
+        None => refits.alone(&found(twin, other), changes, other),
     };
-    let mut solved = linear.solved(&told).into_iter();
-    let start = |(other, known): (&&Change, &bool)| {
-        let told = if *known { solved.next() } else { None };
-        told.unwrap_or_else(|| found(twin, other))
-    };
-    let with = others.iter().zip(&known).map(start).collect();
-    Ok(Starts { without: linear.without(twin), with })
+    let with = starts.into_par_iter().zip(others).map(start).collect::<Result<_, _>>()?;
+    let without = linear.map_or_else(|| twin.clone(), |linear| linear.without(twin));
+    Ok(Starts { without, with })
 }
 
 /// `twin` with a change as a search has it.
