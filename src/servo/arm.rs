@@ -119,6 +119,11 @@ impl Arm {
         self.effects.remember()
     }
 
+    /// Does anything act in places, or at times, only?
+    pub fn touches(&self) -> bool {
+        self.effects.touch()
+    }
+
     /// As before the first step.
     pub fn forget(&mut self) {
         self.effects.forget();

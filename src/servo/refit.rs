@@ -227,7 +227,7 @@ fn is_near(f: &Free, change: &Change) -> bool {
 }
 
 /// Parameters of a change where it acts, with their values in `twin`: one value for all joints in the whole arm.
-fn parameters(twin: &Twin, change: &Change) -> Result<Vec<Free>, ServoError> {
+pub fn parameters(twin: &Twin, change: &Change) -> Result<Vec<Free>, ServoError> {
     let all = free_parameters(twin, std::slice::from_ref(&change.effect))?;
     let acts = |joint: usize| match change.joints.is_empty() {
         true => joint == 0,

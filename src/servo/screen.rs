@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::fit::weigh;
 use super::parameters::with_values;
 use super::problem::Problem;
-use super::refit::{Refits, taken_out};
+use super::refit::{Refits, parameters, taken_out};
 use super::replay::lead;
 use super::tangent::Tangent;
 use super::{Free, Plant, ServoError, Settings, Track};
@@ -21,7 +21,21 @@ use crate::twin::Twin;
 /// Where fits of a twin with changes begin, and of each change beside them.
 pub struct Starts {
     pub without: Twin,
-    pub with: Vec<Twin>,
+    pub with: Vec<Start>,
+}
+
+/// Where a fit begins.
+pub struct Start {
+    pub twin: Twin,
+    /// Does its tangent tell? Else it was fitted.
+    pub has_tangent: bool,
+}
+
+/// A change that is screened.
+pub struct Other<'a> {
+    pub change: &'a Change,
+    /// A twin that it was fitted in before.
+    pub fitted: Option<&'a Twin>,
 }
 
 /// A twin and values of it, varied from where they are.
@@ -53,29 +67,35 @@ struct Linear {
 pub fn starts(
     refits: &Refits<'_>,
     (twin, changes): (&Twin, &[Change]),
-    others: &[&Change],
+    others: &[Other<'_>],
 ) -> Result<Starts, ServoError> {
     let varied = |twin: &Twin| -> Result<Vec<Varied>, ServoError> {
-        others.par_iter().map(|other| absent(refits, twin, changes, other)).collect()
+        others.par_iter().map(|other| absent(refits, twin, changes, other.change)).collect()
     };
     let begun = varied(twin)?.iter().fold(twin.clone(), begun);
     let shared = Varied { twin: begun.clone(), free: refits.free(&begun, changes)? };
     let own = varied(&begun)?;
-    let known: Vec<bool> = own.par_iter().map(Varied::is_known).collect();
-    let told: Vec<&Varied> =
-        own.iter().zip(&known).filter(|(_, known)| **known).map(|(v, _)| v).collect();
-    let linear = Linear::new(refits.fit, shared, &told);
-    let solved = linear.iter().flat_map(|linear| linear.solved(&told));
-    let mut solved: Vec<Option<Twin>> = solved.map(Some).collect();
-    solved.resize_with(told.len(), || None);
-    let mut solved = solved.into_iter();
-    let starts: Vec<Option<Twin>> =
-        known.iter().map(|known| if *known { solved.next().flatten() } else { None }).collect();
-    let start = |(start, other): (Option<Twin>, &&Change)| match start {
-        Some(twin) => Ok(twin),
-        None => refits.alone(&found(twin, other), changes, other),
+    let has_tangent: Vec<bool> = own.par_iter().map(Varied::has_tangent).collect();
+    let with_tangent = own.iter().zip(&has_tangent).filter(|(_, has)| **has).map(|(v, _)| v);
+    let with_tangent: Vec<&Varied> = with_tangent.collect();
+    let linear = Linear::new(refits.fit, shared, &with_tangent);
+    let solved = linear.as_ref().map(|linear| linear.solved(&with_tangent));
+    let mut solved = solved.unwrap_or_default().into_iter();
+    let told = has_tangent.iter().map(|has| if *has { solved.next() } else { None });
+    let told: Vec<Option<Twin>> = told.collect();
+    let start = |(told, other): (Option<Twin>, &Other<'_>)| -> Result<Start, ServoError> {
+        Ok(match (told, other.fitted) {
+            (Some(twin), _) => Start { twin, has_tangent: true },
+            (None, Some(fitted)) => {
+                Start { twin: as_fitted(fitted, twin, other.change)?, has_tangent: false }
+            }
+            (None, None) => {
+                let found = found(twin, other.change);
+                Start { twin: refits.alone(&found, changes, other.change)?, has_tangent: false }
+            }
+        })
     };
-    let with = starts.into_par_iter().zip(others).map(start).collect::<Result<_, _>>()?;
+    let with = told.into_par_iter().zip(others).map(start).collect::<Result<_, _>>()?;
     let without = linear.map_or_else(|| twin.clone(), |linear| linear.without(twin));
     Ok(Starts { without, with })
 }
@@ -83,6 +103,13 @@ pub fn starts(
 /// `twin` with a change as a search has it.
 fn found(twin: &Twin, change: &Change) -> Twin {
     changed(twin, &BTreeMap::new(), std::slice::from_ref(change))
+}
+
+/// `twin` with a change as a twin has it that it was fitted in.
+fn as_fitted(fitted: &Twin, twin: &Twin, change: &Change) -> Result<Twin, ServoError> {
+    let own = parameters(fitted, change)?;
+    let values: Vec<f64> = own.iter().map(|f| f.start).collect();
+    Ok(with_values(&found(twin, change), &own, &values))
 }
 
 /// `twin` with a change that does nothing yet, and those of its values by which it would.
@@ -113,7 +140,7 @@ fn begun(twin: Twin, own: &Varied) -> Twin {
 
 impl Varied {
     /// Does a tangent tell what its values do?
-    fn is_known(&self) -> bool {
+    fn has_tangent(&self) -> bool {
         !self.free.is_empty() && self.moved(0.0).is_some()
     }
 

@@ -4,10 +4,12 @@
 //! a change with which the simulated position does not surely come nearer is none. With and without it the twin is fitted
 //! the same way: what another fit of the same values changes is no merit of a change.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use super::refit::{Refits, Refitted, is_at_bound};
-use super::screen::{Starts, starts};
+use super::screen::{Other, Start, Starts, starts};
 use super::sizes::Sizes;
 use super::{ServoError, Track};
 use crate::diagnosis::{Change, Offer, Settings, Stands};
@@ -77,8 +79,10 @@ impl Sieve<'_> {
         let left = self.left(&mended.twin)?;
         let mut sifted = Sifted { stand: Vec::new(), mended, left };
         let mut open: Vec<usize> = (0..offers.len()).collect();
+        // What has no tangent, as it was fitted once.
+        let mut fitted = BTreeMap::new();
         for round in 0.. {
-            let promising = self.promising(&sifted, offers, &open)?;
+            let promising = self.promising(&sifted, offers, &open, &mut fitted)?;
             if promising.is_empty() {
                 break;
             }
@@ -168,18 +172,23 @@ impl Sieve<'_> {
         sifted: &Sifted,
         offers: &[Offer],
         open: &[usize],
+        fitted: &mut BTreeMap<usize, Twin>,
     ) -> Result<Vec<Promising>, ServoError> {
         let changes = sifted.changes(offers);
-        let others: Vec<&Change> = open.iter().map(|i| &offers[*i].change).collect();
+        let other = |i: &usize| Other { change: &offers[*i].change, fitted: fitted.get(i) };
+        let others: Vec<Other> = open.iter().map(other).collect();
         let Starts { without, with } =
             starts(self.refits, (&sifted.mended.twin, &changes), &others)?;
         let now = self.left(&without)?;
-        let left: Vec<Sizes> = with.par_iter().map(|t| self.left(t)).collect::<Result<_, _>>()?;
+        let left = with.par_iter().map(|start| self.left(&start.twin));
+        let left: Vec<Sizes> = left.collect::<Result<_, _>>()?;
         let mut told = Vec::new();
-        for ((&index, start), left) in open.iter().zip(with).zip(left) {
-            let gain = now.ln() - left.ln();
+        for ((&index, Start { twin, has_tangent }), left) in open.iter().zip(with).zip(left) {
+            if !has_tangent {
+                fitted.entry(index).or_insert_with(|| twin.clone());
+            }
             if left.are_nearer(&now, offers[index].among, self.settings) {
-                told.push((gain, Promising { index, start }));
+                told.push((now.ln() - left.ln(), Promising { index, start: twin }));
             }
         }
         told.sort_by(|(a, _), (b, _)| b.total_cmp(a));

@@ -89,6 +89,11 @@ impl Injections {
         self.acting.iter().any(|a| !a.memory.is_empty())
     }
 
+    /// Does any of them act for a while only?
+    pub fn touch(&self) -> bool {
+        self.acting.iter().any(|a| a.effect.lasts_a_while())
+    }
+
     /// As before the first step.
     pub fn forget(&mut self) {
         self.acting.iter_mut().for_each(|a| a.memory.fill(0.0));

@@ -8,6 +8,9 @@ use crate::servo::arm::{Arm, Asked, State};
 
 /// Steps of differences by positions, velocities and torques, rad, rad/s and N.m.
 const MOVE: f64 = 1e-6;
+/// Sides that differences are taken to. What begins where the arm touches something is no slope, and on one side only.
+const AHEAD: [f64; 1] = [MOVE];
+const BOTH: [f64; 2] = [MOVE, -MOVE];
 
 /// From where to where, and scratch memory.
 #[derive(Clone)]
@@ -23,6 +26,7 @@ pub struct Made {
     /// N.m, the torque that was differentiated last: along the step, and from a state a little otherwise.
     own: Vec<f64>,
     other: Vec<f64>,
+    slopes: Vec<f64>,
 }
 
 /// Derivatives of torque along a step by what it began with, N.m per rad, rad/s and N.m.
@@ -66,6 +70,7 @@ impl Made {
             workspace: Workspace::new(plant.arm.robot()),
             own: zeros(),
             other: zeros(),
+            slopes: zeros(),
         }
     }
 
@@ -105,12 +110,13 @@ impl Made {
     /// How what bodies take changes.
     pub fn differentiate_taken(&mut self, robot: &Robot, by: &mut ByState) {
         by.clear();
-        self.add_derivatives(by, |made, torque| made.taken_by(robot, torque));
+        self.add_derivatives(by, &AHEAD, |made, torque| made.taken_by(robot, torque));
     }
 
     /// Adds how what servos and effects ask changes; with what gears transmit where that matters.
     pub fn add_asked(&mut self, arm: &mut Arm, is_loaded: bool, by: &mut ByState) {
-        self.add_derivatives(by, |made, torque| made.asked_of(arm, torque));
+        let sides = if arm.touches() { &BOTH[..] } else { &AHEAD };
+        self.add_derivatives(by, sides, |made, torque| made.asked_of(arm, torque));
         if !is_loaded {
             return;
         }
@@ -124,24 +130,65 @@ impl Made {
         self.other = other;
     }
 
-    /// Differences of a torque by positions and velocities.
-    fn add_derivatives(&mut self, by: &mut ByState, mut torque: impl FnMut(&mut Self, &mut [f64])) {
-        let [mut own, mut other] = [&mut self.own, &mut self.other].map(std::mem::take);
+    /// Differences of a torque by positions and velocities; of several sides the smallest.
+    fn add_derivatives(
+        &mut self,
+        by: &mut ByState,
+        sides: &[f64],
+        mut torque: impl FnMut(&mut Self, &mut [f64]),
+    ) {
+        let [mut own, mut other, mut slopes] =
+            [&mut self.own, &mut self.other, &mut self.slopes].map(std::mem::take);
         torque(self, &mut own);
         for k in 0..own.len() {
             for (part, by) in [((|s| &mut s.q) as Part, &mut by.q), (|s| &mut s.v, &mut by.v)] {
                 let before = part(&mut self.begin)[k];
-                part(&mut self.begin)[k] += MOVE;
-                torque(self, &mut other);
-                part(&mut self.begin)[k] = before;
-                for (by, (other, own)) in by.column_mut(k).iter_mut().zip(other.iter().zip(&own)) {
-                    *by += (other - own) / MOVE;
+                slopes.fill(f64::INFINITY);
+                for side in sides {
+                    part(&mut self.begin)[k] += side;
+                    torque(self, &mut other);
+                    part(&mut self.begin)[k] = before;
+                    for (slope, (other, own)) in slopes.iter_mut().zip(other.iter().zip(&own)) {
+                        let here = (other - own) / side;
+                        *slope = if here.abs() < slope.abs() { here } else { *slope };
+                    }
                 }
+                by.column_mut(k).iter_mut().zip(&slopes).for_each(|(by, slope)| *by += slope);
             }
         }
-        (self.own, self.other) = (own, other);
+        (self.own, self.other, self.slopes) = (own, other, slopes);
     }
 }
 
 /// One value per joint of a state.
 type Part = fn(&mut State) -> &mut Vec<f64>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::flange_placement;
+    use crate::simulation::Scenario;
+    use crate::twin::Twin;
+
+    /// The flange is a hundredth of a difference's step above the height below which something pushes.
+    #[test]
+    fn where_a_contact_begins_is_no_slope() {
+        let scenario = Scenario::parse("[servo]\ngain = 900\ndamping = 40\n", "test").unwrap();
+        let drive = scenario.work_out("test").unwrap().setup.drive;
+        let mut twin = Twin { drive, effects: vec!["external_contact".into()], ..Twin::default() };
+        let q = [0.0, -0.8, 1.2, 0.3, 0.0, 0.0];
+        let height = flange_placement(&twin.robot, &q).translation.z - 1e-8;
+        let gate = [("start", 0.0), ("duration", 100.0), ("height", height)];
+        let force = [("x", 20.0), ("y", 0.0), ("z", 40.0)];
+        let named = |(name, value)| (format!("contact_{name}"), vec![value]);
+        twin.values.extend(gate.into_iter().chain(force).map(named));
+        let mut plant = Plant::new(&twin, 0.0).unwrap();
+        plant.set_state(0.0, &q, &[0.0; 6]);
+        let (mut made, mut by) = (Made::new(&plant), ByState::new(6));
+        // The one side alone has the jump.
+        let mut one = ByState::new(6);
+        made.add_derivatives(&mut one, &AHEAD, |m, torque| m.asked_of(&mut plant.arm, torque));
+        made.add_asked(&mut plant.arm, false, &mut by);
+        assert!(one.q.amax() > 1e6 && by.q.amax() < 1e-6, "{} {}", one.q.amax(), by.q.amax());
+    }
+}
