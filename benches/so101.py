@@ -221,7 +221,7 @@ def main():
             "Six STS3215 (isaac-sim2real/sage, 50 Hz). The twin is the makers' URDF and MuJoCo values, Coulomb and viscous "
             'friction open; 30 s of one motion are searched, 30 s of another decide, along which the twin is then led '
             'from the first sample to the last. Before: friction fitted, nothing added. In random_waypoints joints 2 to 4 are '
-            'stopped together twice (6 to 7 s, 21 to 22 s), by something that no twin here has; causes are decided by '
+            'stopped together twice (6 to 7 s, 21 to 22 s), by something that the given twin does not have; causes are decided by '
             'the size of errors, the root mean square there is that of the stops.']
     for name, (head, make) in SECTIONS.items():
         own = make(arm) if name in arguments.only else section(arguments.out, head)

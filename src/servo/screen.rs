@@ -2,6 +2,7 @@
 //! from one simulation with its tangent. The other recording then tells what is worth the fit.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -83,17 +84,13 @@ pub fn starts(
     let mut solved = solved.unwrap_or_default().into_iter();
     let told = has_tangent.iter().map(|has| if *has { solved.next() } else { None });
     let told: Vec<Option<Twin>> = told.collect();
+    let fitted = |other: &Other<'_>| match other.fitted {
+        Some(fitted) => as_fitted(fitted, twin, other.change),
+        None => refits.alone(&found(twin, other.change), changes, other.change),
+    };
     let start = |(told, other): (Option<Twin>, &Other<'_>)| -> Result<Start, ServoError> {
-        Ok(match (told, other.fitted) {
-            (Some(twin), _) => Start { twin, has_tangent: true },
-            (None, Some(fitted)) => {
-                Start { twin: as_fitted(fitted, twin, other.change)?, has_tangent: false }
-            }
-            (None, None) => {
-                let found = found(twin, other.change);
-                Start { twin: refits.alone(&found, changes, other.change)?, has_tangent: false }
-            }
-        })
+        let has_tangent = told.is_some();
+        Ok(Start { twin: told.map_or_else(|| fitted(other), Ok)?, has_tangent })
     };
     let with = told.into_par_iter().zip(others).map(start).collect::<Result<_, _>>()?;
     let without = linear.map_or_else(|| twin.clone(), |linear| linear.without(twin));
@@ -167,7 +164,7 @@ impl Along {
         let moved = all.iter().map(|v| v.moved(track.start)).collect::<Option<Vec<_>>>()?.concat();
         let tangent = Tangent::new(plant, &moved)?;
         let stretches = track.stretches(horizon_s);
-        let of = |stretch: &std::ops::Range<usize>| {
+        let of = |stretch: &Range<usize>| {
             let mut rows: Vec<Vec<f64>> = Vec::with_capacity(stretch.len() * track.joints());
             let mut k = stretch.start;
             lead(&mut tangent.clone(), track, stretch, |tangent| {

@@ -2,6 +2,7 @@
 
 use super::problem::Problem;
 use super::refit::Refits;
+use super::screen::{Other, starts};
 use super::sift::{Sieve, Sifted};
 use super::*;
 use crate::diagnosis::{Change, Offer, Stands, Value};
@@ -320,6 +321,26 @@ fn of_changes_stands_what_brings_another_motion_nearer() {
     let near = refits.all(&mended, &changes[1..2]).unwrap();
     let mass = near.estimates.iter().find(|e| e.name == "payload_mass").unwrap();
     assert!((mass.value - 2.0).abs() < 0.1 && mass.identifiable, "{mass:?}");
+}
+
+/// One tangent for both says where fits begin: a load near what is hidden, and an offset that is not there near none.
+#[test]
+fn a_fit_begins_near_what_is_hidden() {
+    let load = "[effects.payload]\npayload_mass = 2.0\npayload_moment_x = 0.1\npayload_moment_y = 0\n\
+                payload_moment_z = 0.2\n";
+    let (truth, fit) = by_rapier(&format!("{SERVOS}{load}"));
+    let twin = without(&truth, "payload");
+    let refits = Refits::new(&twin, &fit, &()).unwrap();
+    let changes = [
+        change("payload", &[], &[("payload_mass", 0.1)]),
+        change("servo_offset", &[2], &[("servo_offset", 0.01)]),
+    ];
+    let others = changes.each_ref().map(|change| Other { change, fitted: None });
+    let found = starts(&refits, (&refits.before.twin, &[]), &others).unwrap().with;
+    assert!(found.iter().all(|start| start.has_tangent));
+    let [mass, offset] = [("payload_mass", 0, 0), ("servo_offset", 1, 1)]
+        .map(|(name, of, joint)| found[of].twin.values[name][joint]);
+    assert!((mass - 2.0).abs() < 0.4 && offset.abs() < 0.01, "{mass} {offset}");
 }
 
 const BENT: &str = "[effects.servo_offset]\nservo_offset = [0, 0, 0, 0, 0.02, 0]\n";
