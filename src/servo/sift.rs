@@ -118,8 +118,8 @@ impl Sieve<'_> {
         Ok(if self.stands(&sifted, &in_full, offers) { with } else { sifted })
     }
 
-    /// Without what the others, taken up later, have made needless: what takes nothing sure off beside them, or has gone to the
-    /// end of its range, the least first.
+    /// Without what the others, taken up later, have made needless: what takes nothing sure off beside them, is not told by the
+    /// recording it was fitted to, or has gone to the end of its range, the least first.
     fn needed(&self, mut sifted: Sifted, offers: &[Offer]) -> Result<Sifted, ServoError> {
         while sifted.stand.len() > 1 {
             let changes = sifted.changes(offers);
@@ -135,9 +135,12 @@ impl Sieve<'_> {
             let takes_off = |i: usize, without: &Sizes| {
                 sifted.left.are_nearer(without, among(i), self.settings)
             };
-            let is_at_bound = |c: &Change| is_at_bound(&sifted.mended.twin, c);
-            let at_bound: Vec<bool> = changes.iter().map(is_at_bound).collect::<Result<_, _>>()?;
-            idle.retain(|(i, _, without)| at_bound[*i] || !takes_off(*i, without));
+            let is_none = |c: &Change| -> Result<bool, ServoError> {
+                let twin = &sifted.mended.twin;
+                Ok(is_at_bound(twin, c)? || !self.refits.tells(twin, &changes, c)?)
+            };
+            let none: Vec<bool> = changes.iter().map(is_none).collect::<Result<_, _>>()?;
+            idle.retain(|(i, _, without)| none[*i] || !takes_off(*i, without));
             let least = idle.into_iter().min_by(|a, b| a.2.ln().total_cmp(&b.2.ln()));
             let Some((i, twin, _)) = least else { break };
             sifted.stand.remove(i);
