@@ -119,9 +119,9 @@ impl Arm {
         self.effects.remember()
     }
 
-    /// Does anything act in places, or at times, only?
-    pub fn touches(&self) -> bool {
-        self.effects.touch()
+    /// Does anything act at times, or in places, only?
+    pub fn has_contacts(&self) -> bool {
+        self.effects.any_lasts_a_while()
     }
 
     /// As before the first step.

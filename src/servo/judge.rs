@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::parameters::stated;
 use super::refit::{Refitted, taken_out};
 use super::{Estimate, PositionGap, ServoError, Track, replay};
 use crate::diagnosis::{
@@ -73,8 +74,9 @@ fn keep_cause(cause: &mut Cause, twin: &Twin, estimates: &[Estimate]) {
         let Some(found) = estimates.iter().find(own) else { continue };
         (value.value, [value.low, value.high]) = (found.value, within_range(found, twin));
         value.at_bound = found.at_bound;
-        if !replaces {
-            shift(value, -stated(twin, &cause.effect, found.name, found.joint));
+        if let Some(effect) = find(&cause.effect).filter(|_| !replaces) {
+            let joint = found.joint.map_or(0, |joint| joint - 1);
+            shift(value, -stated(twin, effect, found.name, joint));
         }
     }
 }
@@ -96,13 +98,6 @@ fn shift(value: &mut Value, by: f64) {
     value.value += by;
     value.low += by;
     value.high += by;
-}
-
-/// What a twin has of a parameter that is added to, at a joint (from 1); zero where it has nothing of it.
-fn stated(twin: &Twin, effect: &str, parameter: &str, joint: Option<usize>) -> f64 {
-    let j = joint.map_or(0, |joint| joint - 1);
-    let listed = twin.values.get(parameter).and_then(|v| v.get(j)).copied();
-    listed.unwrap_or_else(|| find(effect).map_or(0.0, |e| e.in_drive(&twin.drive, j)))
 }
 
 fn put(diagnosis: &mut Diagnosis, [before, after]: &[PositionGap; 2], causes: Vec<PositionShrink>) {

@@ -46,11 +46,9 @@ impl Free {
         value - self.min <= reach || self.max - value <= reach
     }
 
-    /// What a twin has of it.
+    /// What a twin has of it, in the parameter's unit.
     pub(super) fn value_in(&self, twin: &Twin) -> f64 {
-        let joint = self.joint.unwrap_or(0);
-        let listed = twin.values.get(self.parameter.name).and_then(|v| v.get(joint)).copied();
-        listed.unwrap_or_else(|| self.effect.in_drive(&twin.drive, joint))
+        stated(twin, self.effect, self.parameter.name, self.joint.unwrap_or(0))
     }
 
     /// By how much a value is another where a difference is taken, inside its range.
@@ -177,6 +175,12 @@ fn start(twin: &Twin, effect: &dyn Effect, p: &Parameter, joint: usize) -> f64 {
         Role::Linear if p.null.is_finite() => p.null,
         _ => p.typical,
     }
+}
+
+/// What a twin has of an effect's parameter at a joint (from 0), in its unit; zero where it has nothing of it.
+pub fn stated(twin: &Twin, effect: &dyn Effect, parameter: &str, joint: usize) -> f64 {
+    let listed = twin.values.get(parameter).and_then(|v| v.get(joint)).copied();
+    listed.unwrap_or_else(|| effect.in_drive(&twin.drive, joint))
 }
 
 /// `twin` with these values.

@@ -21,7 +21,7 @@ pub struct Refitted {
 /// Fits to one recording, beginning with the twin as given, its open values fitted.
 pub struct Refits<'a> {
     twin: &'a Twin,
-    pub(super) fit: &'a Track,
+    pub fit: &'a Track,
     /// Who follows the fits.
     pub watch: &'a dyn Watch,
     pub before: Refitted,
@@ -51,9 +51,7 @@ impl<'a> Refits<'a> {
         changes: &[Change],
         change: &Change,
     ) -> Result<Twin, ServoError> {
-        let with: Vec<Change> = changes.iter().chain([change]).cloned().collect();
-        let others = self.free(start, changes)?.len();
-        let own = self.free(start, &with)?.split_off(others);
+        let own = self.own(start, changes, change)?;
         if own.is_empty() {
             return Ok(start.clone());
         }
@@ -189,7 +187,10 @@ impl<'a> Refits<'a> {
     /// What the twin leaves open, and the parameters of the changes where they act, with their values in `start`. They are
     /// expected near those, beside changes near those before, as far off as such effects usually are, or as a
     /// search has them: what the recording does not tell stays there (friction of a joint that hardly moves).
-    pub(super) fn free(&self, start: &Twin, changes: &[Change]) -> Result<Vec<Free>, ServoError> {
+    ///
+    /// # Errors
+    /// If a change has values that cannot be fitted.
+    pub fn free(&self, start: &Twin, changes: &[Change]) -> Result<Vec<Free>, ServoError> {
         let open: Vec<String> = self.twin.open().map(|e| e.about().name.to_string()).collect();
         let all = |twin: &Twin| -> Result<Vec<Free>, ServoError> {
             let mut free = free_parameters(twin, &open)?;
@@ -212,6 +213,21 @@ impl<'a> Refits<'a> {
             Free { start: own.start, expected, spread, ..before }
         };
         Ok(all(&self.before.twin)?.into_iter().zip(own).map(placed).collect())
+    }
+
+    /// The parameters of a change beside `changes`, with their values in `start`: without those that these move already.
+    ///
+    /// # Errors
+    /// If a change has values that cannot be fitted.
+    pub fn own(
+        &self,
+        start: &Twin,
+        changes: &[Change],
+        change: &Change,
+    ) -> Result<Vec<Free>, ServoError> {
+        let with: Vec<Change> = changes.iter().chain([change]).cloned().collect();
+        let others = self.free(start, changes)?.len();
+        Ok(self.free(start, &with)?.split_off(others))
     }
 }
 

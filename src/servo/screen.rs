@@ -118,10 +118,8 @@ fn absent(
 ) -> Result<Varied, ServoError> {
     let found = found(twin, change);
     let absent = taken_out(&found, twin, change);
-    let with: Vec<Change> = changes.iter().chain([change]).cloned().collect();
-    let shared = refits.free(twin, changes)?.len();
     let acts = |f: &Free| f.parameter.null.is_finite();
-    let own = refits.free(&found, &with)?.into_iter().skip(shared).filter(acts);
+    let own = refits.own(&found, changes, change)?.into_iter().filter(acts);
     let free = own.map(|f| Free { start: f.value_in(&absent).clamp(f.min, f.max), ..f }).collect();
     Ok(Varied { twin: absent, free })
 }

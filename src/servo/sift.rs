@@ -82,13 +82,13 @@ impl Sieve<'_> {
         // What has no tangent, as it was fitted once.
         let mut fitted = BTreeMap::new();
         for round in 0.. {
+            // Every round takes one up, or puts several aside.
+            let at_most = round + open.len() as u64;
+            self.refits.watch.bound("fitting causes together by simulation", round, at_most);
             let promising = self.promising(&sifted, offers, &open, &mut fitted)?;
             if promising.is_empty() {
                 break;
             }
-            // Every round takes one up, or puts several aside.
-            let at_most = round + open.len() as u64;
-            self.refits.watch.bound("fitting causes together by simulation", round, at_most);
             let mut used: Vec<usize> = promising.iter().map(|p| p.index).collect();
             let beside = |one: Promising| self.beside(&sifted, offers, one);
             let tried: Vec<Tried> =

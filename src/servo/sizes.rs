@@ -114,6 +114,17 @@ mod tests {
         assert!(!are_nearer([1e-3, 1e-3], [1e-3, 1e-3]), "the same");
     }
 
+    /// A joint counts by its share, whatever its size; nothing is smaller than rounding.
+    #[test]
+    fn the_logarithm_of_sizes_is_of_shares() {
+        let ln = |means: [f64; 2]| about(means).ln();
+        let half = ln([2e-3, 8e-3]) - ln([1e-3, 8e-3]);
+        assert!((half - 2f64.ln()).abs() < 1e-12, "{half}");
+        assert!((half - (ln([1e-3, 8e-3]) - ln([1e-3, 4e-3]))).abs() < 1e-12);
+        assert_eq!(ln([1e-5, 1e-3]), ln([1e-6, 1e-3]));
+        assert_eq!(ln([f64::INFINITY, 1e-3]), f64::INFINITY);
+    }
+
     #[test]
     fn a_twin_that_no_longer_runs_away_is_nearer() {
         let away = [f64::INFINITY, 1e-3];

@@ -90,7 +90,7 @@ impl Injections {
     }
 
     /// Does any of them act for a while only?
-    pub fn touch(&self) -> bool {
+    pub fn any_lasts_a_while(&self) -> bool {
         self.acting.iter().any(|a| a.effect.lasts_a_while())
     }
 

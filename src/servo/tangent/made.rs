@@ -115,7 +115,7 @@ impl Made {
 
     /// Adds how what servos and effects ask changes; with what gears transmit where that matters.
     pub fn add_asked(&mut self, arm: &mut Arm, is_loaded: bool, by: &mut ByState) {
-        let sides = if arm.touches() { &BOTH[..] } else { &AHEAD };
+        let sides = if arm.has_contacts() { &BOTH[..] } else { &AHEAD };
         self.add_derivatives(by, sides, |made, torque| made.asked_of(arm, torque));
         if !is_loaded {
             return;
