@@ -19,6 +19,7 @@ mod plant;
 mod problem;
 mod refit;
 mod replay;
+mod rivals;
 mod screen;
 mod sift;
 mod sizes;

@@ -9,10 +9,11 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::refit::{Refits, Refitted, is_at_bound};
+use super::rivals::{Named, Rivals, as_little};
 use super::screen::{Other, Start, Starts, starts};
 use super::sizes::Sizes;
 use super::{ServoError, Track};
-use crate::diagnosis::{Change, Offer, Settings, Stands};
+use crate::diagnosis::{Change, Criteria, Offer, Settings, Stands};
 use crate::twin::Twin;
 
 /// Fits of changes to one recording, and another command along which a change has to hold.
@@ -37,10 +38,12 @@ pub struct Sifted {
     left: Sizes,
 }
 
-/// A change worth a fit beside what stands, and where that begins.
+/// A change with which the twin comes nearer before it is fitted, and where a fit of it begins.
 struct Promising {
     index: usize,
     start: Twin,
+    /// What it takes off there.
+    gain: f64,
 }
 
 /// A twin with one change more.
@@ -67,10 +70,10 @@ impl Sifted {
 
 impl Sieve<'_> {
     /// Which of the changes that are offered, the most plausible first, take something sure off the simulated position's
-    /// error, taken up one after the other: those that promise something are fitted, and each time that stands with which it comes nearest along the command of `check` beside
-    /// what there is already; of what takes off as much the most plausible, and the others like that are its equals. Many
-    /// values always follow the recording better that they are fitted to: that tells nothing. In the end each has to
-    /// take something off beside all others.
+    /// error, taken up one after the other: those that promise something are fitted, and each time that stands with which it comes
+    /// nearest along the command of `check` beside what there is already, of what takes off as much the most plausible. What both
+    /// recordings do not tell from it is its equal. Many values always follow the recording better that they are fitted to: that
+    /// tells nothing. In the end each has to take something off beside all others.
     ///
     /// # Errors
     /// If the twin cannot be fitted or simulated.
@@ -89,12 +92,13 @@ impl Sieve<'_> {
             if promising.is_empty() {
                 break;
             }
-            let mut used: Vec<usize> = promising.iter().map(|p| p.index).collect();
-            let beside = |one: Promising| self.beside(&sifted, offers, one);
-            let tried: Vec<Tried> =
-                promising.into_par_iter().map(beside).collect::<Result<_, _>>()?;
-            if let Some((best, equals)) = self.best(&sifted, tried, offers)? {
+            let worth = worth_a_fit(&promising);
+            let mut used: Vec<usize> = worth.iter().map(|p| p.index).collect();
+            let beside = |one: &Promising| self.beside(&sifted, offers, one);
+            let tried: Vec<Tried> = worth.par_iter().map(beside).collect::<Result<_, _>>()?;
+            if let Some(best) = self.best(&sifted, &tried, offers) {
                 used = vec![best.index];
+                let equals = self.equals(&sifted, (best, &tried), &promising, offers)?;
                 sifted = self.taken_up(sifted, (best, equals), offers)?;
             }
             let taken = sifted.changes(offers);
@@ -108,7 +112,7 @@ impl Sieve<'_> {
     fn taken_up(
         &self,
         sifted: Sifted,
-        (one, equals): (Tried, Vec<usize>),
+        (one, equals): (&Tried, Vec<usize>),
         offers: &[Offer],
     ) -> Result<Sifted, ServoError> {
         let mut with = sifted.clone();
@@ -169,7 +173,8 @@ impl Sieve<'_> {
         Ok(())
     }
 
-    /// Those of the open changes that promise most beside what stands: with which the twin comes nearer before they are fitted.
+    /// Those of the open changes that promise something beside what stands, most first: with which the twin comes nearer before
+    /// they are fitted.
     fn promising(
         &self,
         sifted: &Sifted,
@@ -191,13 +196,11 @@ impl Sieve<'_> {
                 fitted.entry(index).or_insert_with(|| twin.clone());
             }
             if left.are_nearer(&now, offers[index].among, self.settings) {
-                told.push((now.ln() - left.ln(), Promising { index, start: twin }));
+                told.push(Promising { index, start: twin, gain: now.ln() - left.ln() });
             }
         }
-        told.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-        let least = told.first().map_or(0.0, |(most, _)| PROMISING * most);
-        let told = told.into_iter().filter(|(gain, _)| *gain >= least).map(|(_, p)| p);
-        Ok(told.take(TRIED).collect())
+        told.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        Ok(told)
     }
 
     /// What stands with one more.
@@ -205,11 +208,11 @@ impl Sieve<'_> {
         &self,
         sifted: &Sifted,
         offers: &[Offer],
-        Promising { index, start }: Promising,
+        Promising { index, start, .. }: &Promising,
     ) -> Result<Tried, ServoError> {
-        let changes = with(&sifted.changes(offers), &offers[index]);
-        let twin = self.refits.beside(&sifted.mended.twin, &changes, &start)?;
-        self.tried(index, offers, twin)
+        let changes = with(&sifted.changes(offers), &offers[*index]);
+        let twin = self.refits.beside(&sifted.mended.twin, &changes, start)?;
+        self.tried(*index, offers, twin)
     }
 
     /// A twin that a change was fitted in.
@@ -219,33 +222,43 @@ impl Sieve<'_> {
         Ok(Tried { index, twin, left, at_bound })
     }
 
-    /// The most plausible of those with which the error comes nearest, if it does, and the others of them.
-    fn best(
+    /// The most plausible of those with which the error comes nearest, if it does.
+    fn best<'a>(&self, sifted: &Sifted, tried: &'a [Tried], offers: &[Offer]) -> Option<&'a Tried> {
+        let stand = tried.iter().filter(|t| self.stands(sifted, t, offers)).collect();
+        self.nearest(&sifted.left, stand).into_iter().min_by_key(|t| t.index)
+    }
+
+    /// Names in the place of the best that both recordings together do not tell from it, the most plausible first.
+    fn equals(
         &self,
         sifted: &Sifted,
-        mut tried: Vec<Tried>,
+        (best, tried): (&Tried, &[Tried]),
+        promising: &[Promising],
         offers: &[Offer],
-    ) -> Result<Option<(Tried, Vec<usize>)>, ServoError> {
-        tried.retain(|t| self.stands(sifted, t, offers));
-        let mut nearest = self.nearest(&sifted.left, tried);
-        nearest.sort_by_key(|t| t.index);
-        let mut nearest = nearest.into_iter();
-        let Some(first) = nearest.next() else { return Ok(None) };
-        let meets = |t: &Tried| offers[t.index].change.meets(&offers[first.index].change);
-        let equals = nearest.filter(meets).map(|t| t.index).collect();
-        Ok(Some((first, equals)))
+    ) -> Result<Vec<usize>, ServoError> {
+        let Criteria { least_gain_inexact: inexact, .. } = self.settings.criteria;
+        let rivals = Rivals { refits: self.refits, check: self.check, inexact };
+        let taken = sifted.changes(offers);
+        let named = |near, index: usize| Named { near, changes: with(&taken, &offers[index]) };
+        let fitted = |p: &Promising| tried.iter().find(|t| t.index == p.index).map(|t| &t.twin);
+        let meets = |p: &&Promising| {
+            p.index != best.index && offers[p.index].change.meets(&offers[best.index].change)
+        };
+        let mut others: Vec<&Promising> = promising.iter().filter(meets).take(TRIED).collect();
+        others.sort_by_key(|p| p.index);
+        let by_name: Vec<Named> =
+            others.iter().map(|p| named(fitted(p).unwrap_or(&p.start), p.index)).collect();
+        let without = Named { near: &sifted.mended.twin, changes: taken.clone() };
+        let are_equal = rivals.equals(&without, &named(&best.twin, best.index), &by_name)?;
+        Ok(others.iter().zip(are_equal).filter(|(_, is)| *is).map(|(p, _)| p.index).collect())
     }
 
     /// Those that take off as much as any of them, or surely no less: a twin that is wrong otherwise tells no more.
-    fn nearest(&self, before: &Sizes, mut tried: Vec<Tried>) -> Vec<Tried> {
+    fn nearest<'a>(&self, before: &Sizes, mut tried: Vec<&'a Tried>) -> Vec<&'a Tried> {
         let all = tried.iter().map(|t| &t.left);
-        let Some(nearest) = all.min_by(|a, b| a.ln().total_cmp(&b.ln())).cloned() else {
-            return tried;
-        };
-        let gain = before.ln() - nearest.ln();
-        let wrong_by = self.settings.criteria.least_gain_inexact * gain;
-        // Where the twin runs away without, gains are no measure.
-        let most = nearest.ln() + if gain.is_finite() { wrong_by } else { 0.0 };
+        let Some(nearest) = all.min_by(|a, b| a.ln().total_cmp(&b.ln())) else { return tried };
+        let inexact = self.settings.criteria.least_gain_inexact;
+        let most = as_little(before.ln(), nearest.ln(), inexact);
         let is_near =
             |sizes: &Sizes| sizes.ln() <= most || !nearest.are_nearer(sizes, 1, self.settings);
         tried.retain(|t| is_near(&t.left));
@@ -261,6 +274,13 @@ impl Sieve<'_> {
     fn left(&self, twin: &Twin) -> Result<Sizes, ServoError> {
         Sizes::along(self.check, twin, f64::INFINITY)
     }
+}
+
+/// Those that promise most, of changes that promise something, most first.
+fn worth_a_fit(promising: &[Promising]) -> &[Promising] {
+    let least = promising.first().map_or(0.0, |most| PROMISING * most.gain);
+    let few = promising.iter().take(TRIED).take_while(|p| p.gain >= least).count();
+    &promising[..few]
 }
 
 /// What was taken up, and one more.

@@ -1,11 +1,14 @@
 //! The stepper beside rapier, and values that come back through it.
 
+use std::collections::BTreeMap;
+
 use super::problem::Problem;
 use super::refit::Refits;
+use super::rivals::{Named, Rivals};
 use super::screen::{Other, starts};
 use super::sift::{Sieve, Sifted};
 use super::*;
-use crate::diagnosis::{Change, Offer, Stands, Value};
+use crate::diagnosis::{Change, Offer, Stands, Value, changed};
 use crate::identification::levenberg_marquardt::Residuals;
 use crate::regression::bounds::Bounds;
 use crate::signals::{Conditioning, condition};
@@ -341,6 +344,34 @@ fn a_fit_begins_near_what_is_hidden() {
     let [mass, offset] = [("payload_mass", 0, 0), ("servo_offset", 1, 1)]
         .map(|(name, of, joint)| found[of].twin.values[name][joint]);
     assert!((mass - 2.0).abs() < 0.4 && offset.abs() < 0.01, "{mass} {offset}");
+}
+
+/// A load at the flange is as well a heavier last link, and no offset of a servo.
+#[test]
+fn names_are_equal_that_two_recordings_do_not_tell_apart() {
+    let load = "[effects.payload]\npayload_mass = 2.0\npayload_moment_x = 0.1\npayload_moment_y = 0\n\
+                payload_moment_z = 0.2\n";
+    let scenario = format!("{SERVOS}{load}");
+    let [(truth, fit), (_, check)] = ["duration_s = 6", "duration_s = 6\nseed = 7"]
+        .map(|other| by_rapier(&scenario.replace("duration_s = 6", other)));
+    let twin = without(&truth, "payload");
+    let refits = Refits::new(&twin, &fit, &()).unwrap();
+    let rivals = Rivals { refits: &refits, check: &check, inexact: 0.1 };
+    let found = |effect: &str, joints: &[usize], values: &[(&str, f64)]| {
+        let change = change(effect, joints, values);
+        let near = changed(&refits.before.twin, &BTreeMap::new(), std::slice::from_ref(&change));
+        (near, vec![change])
+    };
+    let [load, link, offset] = [
+        found("payload", &[], &[("payload_mass", 1.5)]),
+        found("link_inertia", &[6], &[("link_mass", 1.5)]),
+        found("servo_offset", &[2], &[("servo_offset", 0.01)]),
+    ];
+    let without = Named { near: &refits.before.twin, changes: Vec::new() };
+    let [load, link, offset] =
+        [&load, &link, &offset].map(|(near, changes)| Named { near, changes: changes.clone() });
+    let equals = rivals.equals(&without, &load, &[link, offset]).unwrap();
+    assert_eq!(equals, [true, false]);
 }
 
 const BENT: &str = "[effects.servo_offset]\nservo_offset = [0, 0, 0, 0, 0.02, 0]\n";
