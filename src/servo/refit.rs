@@ -176,12 +176,26 @@ impl<'a> Refits<'a> {
         changes: &[Change],
         around: Option<&Change>,
     ) -> Result<Twin, ServoError> {
+        self.fitted_to(&[self.fit], by, start, (changes, around))
+    }
+
+    /// The same to several recordings together.
+    ///
+    /// # Errors
+    /// As [`identify`].
+    pub fn fitted_to(
+        &self,
+        tracks: &[&Track],
+        by: Fit,
+        start: &Twin,
+        (changes, around): (&[Change], Option<&Change>),
+    ) -> Result<Twin, ServoError> {
         let mut free = self.free(start, changes)?;
         free.retain(|f| around.is_none_or(|change| is_near(f, change)));
         if free.is_empty() {
             return Ok(start.clone());
         }
-        by.of(start, &[self.fit], &free, self.watch)
+        by.of(start, tracks, &free, self.watch)
     }
 
     /// What the twin leaves open, and the parameters of the changes where they act, with their values in `start`. They are

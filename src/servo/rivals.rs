@@ -2,27 +2,31 @@
 //! lighter arm moves alike.
 //!
 //! Whether something is there is asked of a recording that it was not fitted to. What it is called is another question, to which
-//! both recordings speak: values that the one hardly tells may well be told by the other.
+//! both recordings speak: values that the one hardly tells may well be told by the other. Fits end at a thousandth of their
+//! cost, which is less than the steps of encoders leave: of what is simulated without steps or noise they tell less.
 
 use rayon::prelude::*;
 
 use super::fit::Fit;
 use super::refit::{Refits, is_at_bound};
-use super::sizes::Sizes;
+use super::sizes::{Sizes, as_little};
 use super::{ServoError, Settings, Track};
 use crate::diagnosis::Change;
 use crate::twin::Twin;
 
-/// Fits of changes to both recordings.
+/// Fits of changes to two recordings.
 pub struct Rivals<'a> {
+    /// Fits to the one of them.
     pub refits: &'a Refits<'a>,
+    /// The other.
     pub check: &'a Track,
     /// Share of what a name takes off that no law is exact to.
     pub inexact: f64,
 }
 
-/// A twin, near which its values are, with changes, the last of which is a name for what others lack.
+/// Changes of a twin, the last of which is a name for what it lacks.
 pub struct Named<'a> {
+    /// The twin with the changes, near whose values a fit begins.
     pub near: &'a Twin,
     pub changes: Vec<Change>,
 }
@@ -52,12 +56,7 @@ impl Rivals<'_> {
     /// the end of its range?
     fn left(&self, Named { near, changes }: &Named<'_>) -> Result<(f64, bool), ServoError> {
         let tracks = [self.refits.fit, self.check];
-        let free = self.refits.free(near, changes)?;
-        let fitted = match free.is_empty() {
-            true => Ok((*near).clone()),
-            false => Fit::About.of(near, &tracks, &free, self.refits.watch),
-        };
-        let twin = match fitted {
+        let twin = match self.refits.fitted_to(&tracks, Fit::About, near, (changes, None)) {
             Err(ServoError::Diverged { .. }) => return Ok((f64::INFINITY, false)),
             fitted => fitted?,
         };
@@ -66,11 +65,4 @@ impl Rivals<'_> {
         let left = tracks.map(|track| Ok(Sizes::along(track, &twin, horizon_s)?.ln()));
         Ok((left.into_iter().sum::<Result<f64, ServoError>>()?, is_at_bound))
     }
-}
-
-/// The most that is as little as `least`, of what is left: a share of what is taken off is none. Where a twin runs away without,
-/// what is taken off is no measure.
-pub fn as_little(without: f64, least: f64, inexact: f64) -> f64 {
-    let gain = without - least;
-    least + if gain.is_finite() { inexact * gain } else { 0.0 }
 }

@@ -9,9 +9,9 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::refit::{Refits, Refitted, is_at_bound};
-use super::rivals::{Named, Rivals, as_little};
+use super::rivals::{Named, Rivals};
 use super::screen::{Other, Start, Starts, starts};
-use super::sizes::Sizes;
+use super::sizes::{Sizes, as_little};
 use super::{ServoError, Track};
 use crate::diagnosis::{Change, Criteria, Offer, Settings, Stands};
 use crate::twin::Twin;
@@ -23,7 +23,8 @@ pub struct Sieve<'a> {
     pub settings: &'a Settings,
 }
 
-/// Changes that are fitted beside what stands in one round, at most: those that promise most.
+/// Changes that are fitted beside what stands in one round, at most, and names that are held beside the best of them: those that
+/// promise most.
 const TRIED: usize = 10;
 /// What a change takes off where a fit of it begins is about so large a share of what it takes off in the end: one that promises
 /// less than this share of the best cannot pass it.

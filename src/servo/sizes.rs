@@ -86,6 +86,13 @@ impl Sizes {
     }
 }
 
+/// The most that is as little as `least`, where `without` is left without a change, all of them logarithms ([`Sizes::ln`]): the
+/// share `inexact` of what is taken off is none. Where a twin runs away without, what is taken off is no measure.
+pub fn as_little(without: f64, least: f64, inexact: f64) -> f64 {
+    let gain = without - least;
+    least + if gain.is_finite() { inexact * gain } else { 0.0 }
+}
+
 /// Share of a square that is taken off.
 fn share(before: f64, after: f64) -> f64 {
     if before > 0.0 { 1.0 - (after / before).powi(2) } else { 0.0 }
@@ -123,6 +130,12 @@ mod tests {
         assert!((half - (ln([1e-3, 8e-3]) - ln([1e-3, 4e-3]))).abs() < 1e-12);
         assert_eq!(ln([1e-5, 1e-3]), ln([1e-6, 1e-3]));
         assert_eq!(ln([f64::INFINITY, 1e-3]), f64::INFINITY);
+    }
+
+    #[test]
+    fn as_little_is_to_within_a_share_of_what_is_taken_off() {
+        assert!((as_little(-10.0, -12.0, 0.1) + 11.8).abs() < 1e-12);
+        assert_eq!(as_little(f64::INFINITY, -12.0, 0.1), -12.0, "it ran away");
     }
 
     #[test]
