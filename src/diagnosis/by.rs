@@ -33,9 +33,18 @@ pub struct Position {
     pub after_rad: f64,
     /// 1 - after^2 / before^2.
     pub fraction: f64,
+    pub own_open: OwnOpen,
     pub joints: Vec<JointPositionShrink>,
     /// What each cause takes off when it is added to all the others.
     pub causes: Vec<PositionShrink>,
+}
+
+/// Mean size of the position error over all joints on the check recording, what the twin leaves open as that recording has
+/// it: what causes are decided by.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OwnOpen {
+    pub before_rad: f64,
+    pub after_rad: f64,
 }
 
 /// Root mean square over joints of the simulated position's error on the check recording, without a cause and

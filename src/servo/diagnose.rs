@@ -10,6 +10,7 @@ use super::fit::Fit;
 use super::judge::prove;
 use super::refit::Refits;
 use super::sift::{Sieve, Sifted};
+use super::yardstick::Yardstick;
 use super::{Free, ServoError, Settings, Track, free_parameters, linearised};
 use crate::diagnosis::{self, Diagnosis, Offer, Traces, diagnose_proved};
 use crate::follow::Watch;
@@ -47,15 +48,22 @@ pub fn diagnose(
     watch: &dyn Watch,
 ) -> Result<Found, ServoError> {
     let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
-    let [fit_track, check_track] = [Track::new(fit, servo)?, Track::new(check, servo)?];
+    let [mut fit_track, mut check_track] = [Track::new(fit, servo)?, Track::new(check, servo)?];
+    // The same encoders: where a joint stands still a recording does not tell its step.
+    let coarser = |(a, b): (&f64, &f64)| a.max(*b);
+    let resolution: Vec<f64> =
+        fit_track.resolution.iter().zip(&check_track.resolution).map(coarser).collect();
+    (fit_track.resolution, check_track.resolution) = (resolution.clone(), resolution);
     watch.tell("fitting what the twin leaves open", 0, 0);
     let refits = Refits::new(twin, &fit_track, watch)?;
     let near = following(&refits.before.twin, &fit_track, watch)?;
     let horizon_s = Settings::default().horizon_s;
     let [seen_fit, seen_check] = [fit, check].map(|s| linearised(&near, s, horizon_s));
+    let yardstick = |track| Yardstick::new(&refits.before.twin, track);
+    let (fit_yardstick, check_yardstick) = (yardstick(&fit_track)?, yardstick(&check_track)?);
     let (mut after, mut taken) = (refits.before.clone(), Vec::new());
     let mut proof = |offers: &[Offer]| {
-        let sieve = Sieve { refits: &refits, check: &check_track, settings };
+        let sieve = Sieve { refits: &refits, both: [&fit_yardstick, &check_yardstick], settings };
         let Sifted { stand, mended, .. } = sieve.sift(offers)?;
         taken = stand.iter().map(|s| offers[s.index].change.clone()).collect();
         after = mended;
@@ -64,7 +72,8 @@ pub fn diagnose(
     watch.tell(diagnosis::SEARCHING, 0, 0);
     let (mut diagnosis, traces) =
         diagnose_proved(twin, &seen_fit?, &seen_check?, settings, &mut proof, watch)?;
-    let simulated = prove(&mut diagnosis, twin, [&refits.before, &after], &taken, &check_track)?;
+    let simulated =
+        prove(&mut diagnosis, twin, [&refits.before, &after], &taken, &check_yardstick)?;
     Ok(Found { diagnosis, traces, simulated })
 }
 

@@ -89,6 +89,7 @@ pub fn identify(
     watch: &dyn Watch,
 ) -> Result<Fitted, ServoError> {
     let mut problem = posed(twin, tracks, free, settings)?;
+    problem.by_size = true;
     let before = gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
     let Search { x, evaluations, stop } =
         stoppable(watch, || searched(&mut problem, (&STRETCHES, CLOSE), settings, watch))?;
@@ -135,6 +136,7 @@ impl Fit {
         let mut problem = posed(twin, tracks, free, settings)?;
         gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
         problem.counts_independent = true;
+        problem.by_size = true;
         let found =
             stoppable(watch, || searched(&mut problem, (stretches, tolerance), settings, watch))?;
         Ok(settled(with_values(twin, free, &found.x)))
@@ -195,9 +197,10 @@ fn searched(
     let mut found = Search { x: starts(problem.free), evaluations: 0, stop: Stop::Evaluations };
     for share in stretches {
         let horizon_s = share * settings.horizon_s;
-        let counts_independent = problem.counts_independent;
+        let (counts_independent, by_size) = (problem.counts_independent, problem.by_size);
         *problem = Problem::new(problem.twin, problem.tracks, problem.free, horizon_s);
         problem.counts_independent = counts_independent;
+        problem.by_size = by_size;
         go_on(watch);
         let errors = problem.errors(&found.x);
         weigh(problem, &errors);
@@ -240,10 +243,12 @@ fn weights(problem: &Problem<'_>, errors: &[f64]) -> Vec<f64> {
     let rows = problem.samples();
     let resolution = |j: usize| problem.tracks.iter().map(|t| t.resolution[j]).fold(0.0, f64::max);
     let of = |j: usize| {
-        let squares: f64 = errors[j * rows..(j + 1) * rows].iter().map(|e| e * e).sum();
-        let least = (resolution(j).powi(2) / 12.0).max(1e-12);
-        let rms = (squares / rows as f64).max(least).sqrt();
-        if rms.is_finite() { 1.0 / rms } else { 1.0 }
+        let of_joint = &errors[j * rows..(j + 1) * rows];
+        let least = (resolution(j).powi(2) / 12.0).max(1e-12).sqrt();
+        let mean = |of: fn(&f64) -> f64| of_joint.iter().map(of).sum::<f64>() / rows as f64;
+        let usual = if problem.by_size { mean(|e| e.abs()) } else { mean(|e| e * e).sqrt() };
+        let usual = usual.max(least);
+        if usual.is_finite() { 1.0 / usual } else { 1.0 }
     };
     (0..problem.weights.len()).map(of).collect()
 }
@@ -267,6 +272,7 @@ fn estimates(
     settings: &Settings,
 ) -> Result<Vec<Estimate>, ServoError> {
     problem.with_priors = false;
+    problem.by_size = false;
     let free = problem.free;
     let bounds = Bounds::unbounded(x.len());
     let mut r = vec![0.0; problem.count()];

@@ -7,10 +7,11 @@ use rayon::prelude::*;
 
 use super::parameters::stated;
 use super::refit::{Refitted, taken_out};
-use super::{Estimate, PositionGap, ServoError, Track, replay};
+use super::yardstick::Yardstick;
+use super::{Estimate, PositionGap, ServoError, replay};
 use crate::diagnosis::{
-    By, Cause, Change, Diagnosis, JointPositionShrink, Position, PositionShrink, SimulationShrink,
-    Value, Verdict,
+    By, Cause, Change, Diagnosis, JointPositionShrink, OwnOpen, Position, PositionShrink,
+    SimulationShrink, Value, Verdict,
 };
 use crate::effects::{Size, find};
 use crate::series::JointSeries;
@@ -27,7 +28,7 @@ pub fn prove(
     twin: &Twin,
     [before, after]: [&Refitted; 2],
     changes: &[Change],
-    check: &Track,
+    check: &Yardstick<'_>,
 ) -> Result<Vec<JointSeries>, ServoError> {
     keep_open(&mut diagnosis.fitted_before, twin, &before.twin);
     keep_open(&mut diagnosis.fitted, twin, &after.twin);
@@ -37,21 +38,24 @@ pub fn prove(
     diagnosis.causes.sort_by_key(|cause| changes.iter().position(|c| is_of(c, cause)));
     diagnosis.causes.iter_mut().for_each(|cause| keep_cause(cause, twin, &after.estimates));
     diagnosis.verdict = Verdict::of(&diagnosis.causes, &diagnosis.unexplained, &diagnosis.ranking);
-    let stretches = check.stretches(f64::INFINITY);
-    let of = |twin: &Twin| replay(twin, check, &stretches);
+    let track = check.track;
+    let stretches = track.stretches(f64::INFINITY);
+    let of = |twin: &Twin| replay(twin, track, &stretches);
     let (q_before, q_after) = rayon::join(|| of(&before.twin), || of(&after.twin));
     let (q_before, q_after) = (q_before?, q_after?);
-    let gaps = [&q_before, &q_after].map(|q| PositionGap::new(check, q));
+    let gaps = [&q_before, &q_after].map(|q| PositionGap::new(track, q));
     let rms = gaps[1].rms_rad();
     let without = |cause: &Cause| -> Result<PositionShrink, ServoError> {
         let twin = taken_out(&after.twin, twin, &Change::from(cause));
-        let before_rad = PositionGap::new(check, &of(&twin)?).rms_rad();
+        let before_rad = PositionGap::new(track, &of(&twin)?).rms_rad();
         let Cause { effect, joints, .. } = cause.clone();
         let fraction = share(before_rad, rms);
         Ok(PositionShrink { effect, joints, before_rad, after_rad: rms, fraction })
     };
     let causes = diagnosis.causes.par_iter().map(without).collect::<Result<_, _>>()?;
-    put(diagnosis, &gaps, causes);
+    let [own_before, own_after] = [before, after].map(|r| check.left(&r.twin));
+    let own = [own_before?.mean_rad(), own_after?.mean_rad()];
+    put(diagnosis, &gaps, own, causes);
     Ok(vec![q_before, q_after])
 }
 
@@ -100,7 +104,12 @@ fn shift(value: &mut Value, by: f64) {
     value.high += by;
 }
 
-fn put(diagnosis: &mut Diagnosis, [before, after]: &[PositionGap; 2], causes: Vec<PositionShrink>) {
+fn put(
+    diagnosis: &mut Diagnosis,
+    [before, after]: &[PositionGap; 2],
+    own: [f64; 2],
+    causes: Vec<PositionShrink>,
+) {
     let joint = |(b, a): (&super::JointPosition, &super::JointPosition)| JointPositionShrink {
         joint: b.joint,
         before_rad: b.rms_rad,
@@ -118,7 +127,9 @@ fn put(diagnosis: &mut Diagnosis, [before, after]: &[PositionGap; 2], causes: Ve
     diagnosis.by = By::Simulation;
     diagnosis.shrink.simulation =
         Some(SimulationShrink { before_rad, after_rad, fraction, ..SimulationShrink::default() });
-    diagnosis.position = Some(Position { before_rad, after_rad, fraction, joints, causes });
+    let own_open = OwnOpen { before_rad: own[0], after_rad: own[1] };
+    diagnosis.position =
+        Some(Position { before_rad, after_rad, fraction, own_open, joints, causes });
 }
 
 /// Share of a mean square that is taken off between two root mean squares.

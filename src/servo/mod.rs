@@ -14,6 +14,7 @@ mod fit;
 mod gap;
 mod judge;
 mod linear;
+mod loss;
 mod parameters;
 mod plant;
 mod problem;
@@ -29,6 +30,7 @@ mod tangent;
 mod tests;
 mod track;
 mod wound;
+mod yardstick;
 
 pub use diagnose::{Found, diagnose};
 pub use error::ServoError;

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::parameters::{Free, with_values};
 use super::replay::lead;
 use super::tangent::Tangent;
-use super::{Plant, Track};
+use super::{Plant, Track, loss};
 use crate::identification::levenberg_marquardt::Residuals;
 use crate::regression::bounds::Bounds;
 use crate::twin::Twin;
@@ -37,6 +37,8 @@ pub struct Problem<'a> {
     /// Weight of such a row, the square root of how many rows of errors, which go along with each other, say as much as
     /// one would say alone.
     pub prior_weight: f64,
+    /// Do errors count by their size where they are large ([`loss`]), or all of them by their square?
+    pub by_size: bool,
 }
 
 impl<'a> Problem<'a> {
@@ -56,6 +58,7 @@ impl<'a> Problem<'a> {
             with_priors: true,
             counts_independent: false,
             prior_weight: 1.0,
+            by_size: false,
         }
     }
 
@@ -137,6 +140,15 @@ impl<'a> Problem<'a> {
         }
         errors
     }
+
+    /// What errors count.
+    fn counted(&self, errors: Vec<f64>) -> Vec<f64> {
+        let mut counted = self.weighted(errors);
+        if self.by_size {
+            counted.iter_mut().for_each(|u| *u = loss::counted(*u));
+        }
+        counted
+    }
 }
 
 impl Residuals for Problem<'_> {
@@ -146,7 +158,7 @@ impl Residuals for Problem<'_> {
 
     fn residuals(&self, x: &[f64], out: &mut [f64]) {
         let (errors, expected) = out.split_at_mut(self.samples() * self.weights.len());
-        errors.copy_from_slice(&self.weighted(self.errors(x)));
+        errors.copy_from_slice(&self.counted(self.errors(x)));
         let off = |(f, x): (&Free, &f64)| self.prior_weight * (x - f.expected) / f.spread;
         let off = self.free.iter().zip(x).map(off);
         expected.iter_mut().zip(off).for_each(|(row, off)| *row = off);
@@ -154,8 +166,28 @@ impl Residuals for Problem<'_> {
 
     fn jacobian(&self, x: &[f64], r: &[f64], bounds: &Bounds) -> Vec<Vec<f64>> {
         let steps = self.steps(x, bounds);
-        let mut columns =
-            self.tangents(x, &steps).unwrap_or_else(|| self.differences(x, r, &steps));
+        match self.tangents(x, &steps) {
+            Some(columns) => self.counted_columns(columns, r),
+            None => self.expecting(self.differences(x, r, &steps)),
+        }
+    }
+}
+
+impl Problem<'_> {
+    /// How residuals change, which are `r`, from how errors do.
+    pub(super) fn counted_columns(&self, columns: Vec<Vec<f64>>, r: &[f64]) -> Vec<Vec<f64>> {
+        let counted = |column: Vec<f64>| {
+            let mut column = self.weighted(column);
+            if self.by_size {
+                column.iter_mut().zip(r).for_each(|(c, r)| *c *= loss::slope(*r));
+            }
+            column
+        };
+        self.expecting(columns.into_iter().map(counted).collect())
+    }
+
+    /// Columns of errors with the rows of what is expected below them.
+    fn expecting(&self, mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         for (i, column) in columns.iter_mut().enumerate() {
             let expected =
                 |k: usize| if k == i { self.prior_weight / self.free[k].spread } else { 0.0 };
@@ -163,15 +195,13 @@ impl Residuals for Problem<'_> {
         }
         columns
     }
-}
 
-impl Problem<'_> {
     /// Steps of differences by the values.
     pub(super) fn steps(&self, x: &[f64], bounds: &Bounds) -> Vec<f64> {
         (0..x.len()).map(|i| self.free[i].step(x[i], bounds.upper(i))).collect()
     }
 
-    /// Columns by the tangent of the simulation, where it has one; those of what cannot be simulated are not finite.
+    /// How errors change with each value, by the tangent of the simulation, where it has one; those of what cannot be simulated are not finite.
     pub(super) fn tangents(&self, x: &[f64], steps: &[f64]) -> Option<Vec<Vec<f64>>> {
         let of = |track: &&Track| self.tangent(track, x, steps);
         let of_tracks: Vec<Tangent> = self.tracks.iter().map(of).collect::<Option<_>>()?;
@@ -181,7 +211,7 @@ impl Problem<'_> {
         let stretches: Vec<Vec<Vec<f64>>> = self.stretches.par_iter().map(of).collect();
         let column = |i: usize| {
             let parts: Vec<&[f64]> = stretches.iter().map(|s| &s[i][..]).collect();
-            self.weighted(self.joined(&parts))
+            self.joined(&parts)
         };
         Some((0..x.len()).map(column).collect())
     }
@@ -223,10 +253,10 @@ impl Problem<'_> {
         steps.iter().enumerate().map(moved).collect()
     }
 
-    /// Columns by differences between simulations.
+    /// How residuals change with each value, by differences between simulations.
     pub(super) fn differences(&self, x: &[f64], r: &[f64], steps: &[f64]) -> Vec<Vec<f64>> {
         let column = |(stretches, step): (Vec<Vec<f64>>, &f64)| {
-            let mut column = self.weighted(self.joined(&stretches));
+            let mut column = self.counted(self.joined(&stretches));
             column.iter_mut().zip(r).for_each(|(c, r)| *c = (*c - r) / step);
             column
         };

@@ -7,10 +7,11 @@
 
 use rayon::prelude::*;
 
+use super::ServoError;
 use super::fit::Fit;
 use super::refit::{Refits, is_at_bound};
-use super::sizes::{Sizes, as_little};
-use super::{ServoError, Settings, Track};
+use super::sizes::as_little;
+use super::yardstick::Yardstick;
 use crate::diagnosis::Change;
 use crate::twin::Twin;
 
@@ -18,8 +19,8 @@ use crate::twin::Twin;
 pub struct Rivals<'a> {
     /// Fits to the one of them.
     pub refits: &'a Refits<'a>,
-    /// The other.
-    pub check: &'a Track,
+    /// That one, and the other.
+    pub both: [&'a Yardstick<'a>; 2],
     /// Share of what a name takes off that no law is exact to.
     pub inexact: f64,
 }
@@ -55,14 +56,13 @@ impl Rivals<'_> {
     /// What is left of both recordings, as [`Sizes::ln`] has it, infinite where the twin runs away; and is a value of the name at
     /// the end of its range?
     fn left(&self, Named { near, changes }: &Named<'_>) -> Result<(f64, bool), ServoError> {
-        let tracks = [self.refits.fit, self.check];
+        let tracks = self.both.map(|one| one.track);
         let twin = match self.refits.fitted_to(&tracks, Fit::About, near, (changes, None)) {
             Err(ServoError::Diverged { .. }) => return Ok((f64::INFINITY, false)),
             fitted => fitted?,
         };
         let is_at_bound = changes.last().map_or(Ok(false), |name| is_at_bound(&twin, name))?;
-        let horizon_s = Settings::default().horizon_s;
-        let left = tracks.map(|track| Ok(Sizes::along(track, &twin, horizon_s)?.ln()));
+        let left = self.both.map(|one| Ok(one.left(&twin)?.ln()));
         Ok((left.into_iter().sum::<Result<f64, ServoError>>()?, is_at_bound))
     }
 }

@@ -13,7 +13,7 @@ use super::problem::Problem;
 use super::refit::{Refits, parameters, taken_out};
 use super::replay::lead;
 use super::tangent::Tangent;
-use super::{Free, Plant, ServoError, Settings, Track};
+use super::{Free, Plant, ServoError, Settings, Track, loss};
 use crate::diagnosis::{Change, changed};
 use crate::regression::bounded;
 use crate::regression::bounds::Bounds;
@@ -55,7 +55,7 @@ struct Along {
 struct Linear {
     shared: Varied,
     along: Along,
-    /// Weights of each joint's rows, 1/rad, and of what is expected of a value.
+    /// Weights of rows, 1/rad, and of what is expected of a value.
     weights: Vec<f64>,
     prior_weight: f64,
 }
@@ -195,8 +195,15 @@ impl Linear {
         let tracks = [fit];
         let mut problem = Problem::new(&shared.twin, &tracks, &shared.free, horizon_s);
         problem.counts_independent = true;
+        problem.by_size = true;
         weigh(&mut problem, along.errors.as_slice());
+        let rows = problem.samples();
         let Problem { weights, prior_weight, .. } = problem;
+        let weight = |(row, error): (usize, &f64)| {
+            let weight = weights[row / rows];
+            weight * loss::factor(weight * error)
+        };
+        let weights = along.errors.iter().enumerate().map(weight).collect();
         Some(Self { weights, prior_weight, along, shared })
     }
 
@@ -208,11 +215,10 @@ impl Linear {
 
     /// Twins with values of their own beside those of all.
     fn solved(&self, own: &[&Varied]) -> Vec<Twin> {
-        let rows = self.along.errors.len() / self.weights.len();
-        let weight = |row: usize| self.weights[row / rows];
         let mut columns = self.along.columns.clone();
-        columns.row_iter_mut().enumerate().for_each(|(i, mut row)| row *= weight(i));
-        let errors = DVector::from_fn(columns.nrows(), |i, _| weight(i) * self.along.errors[i]);
+        columns.row_iter_mut().zip(&self.weights).for_each(|(mut row, weight)| row *= *weight);
+        let errors =
+            DVector::from_fn(columns.nrows(), |i, _| self.weights[i] * self.along.errors[i]);
         let (gram, pull) = (columns.tr_mul(&columns), -columns.tr_mul(&errors));
         let shared = self.shared.free.len();
         let mut end = shared;

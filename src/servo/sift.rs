@@ -8,23 +8,25 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::ServoError;
 use super::refit::{Refits, Refitted, is_at_bound};
 use super::rivals::{Named, Rivals};
 use super::screen::{Other, Start, Starts, starts};
 use super::sizes::{Sizes, as_little};
-use super::{ServoError, Track};
+use super::yardstick::Yardstick;
 use crate::diagnosis::{Change, Criteria, Offer, Settings, Stands};
 use crate::twin::Twin;
 
-/// Fits of changes to one recording, and another command along which a change has to hold.
+/// Fits of changes to one recording, and another along whose command a change has to hold.
 pub struct Sieve<'a> {
     pub refits: &'a Refits<'a>,
-    pub check: &'a Track,
+    /// The recording of `refits`, and the other.
+    pub both: [&'a Yardstick<'a>; 2],
     pub settings: &'a Settings,
 }
 
 /// Changes that are fitted beside what stands in one round, at most, and names that are held beside the best of them: those that
-/// promise most.
+/// promise most, of the other recording and of both.
 const TRIED: usize = 10;
 /// What a change takes off where a fit of it begins is about so large a share of what it takes off in the end: one that promises
 /// less than this share of the best cannot pass it.
@@ -72,7 +74,7 @@ impl Sifted {
 impl Sieve<'_> {
     /// Which of the changes that are offered, the most plausible first, take something sure off the simulated position's
     /// error, taken up one after the other: those that promise something are fitted, and each time that stands with which it comes
-    /// nearest along the command of `check` beside what there is already, of what takes off as much the most plausible. What both
+    /// nearest along the command of the other recording beside what there is already, of what takes off as much the most plausible. What both
     /// recordings do not tell from it is its equal. Many values always follow the recording better that they are fitted to: that
     /// tells nothing. In the end each has to take something off beside all others.
     ///
@@ -238,20 +240,36 @@ impl Sieve<'_> {
         offers: &[Offer],
     ) -> Result<Vec<usize>, ServoError> {
         let Criteria { least_gain_inexact: inexact, .. } = self.settings.criteria;
-        let rivals = Rivals { refits: self.refits, check: self.check, inexact };
+        let rivals = Rivals { refits: self.refits, both: self.both, inexact };
         let taken = sifted.changes(offers);
         let named = |near, index: usize| Named { near, changes: with(&taken, &offers[index]) };
         let fitted = |p: &Promising| tried.iter().find(|t| t.index == p.index).map(|t| &t.twin);
         let meets = |p: &&Promising| {
             p.index != best.index && offers[p.index].change.meets(&offers[best.index].change)
         };
-        let mut others: Vec<&Promising> = promising.iter().filter(meets).take(TRIED).collect();
+        let others: Vec<&Promising> = promising.iter().filter(meets).collect();
+        let mut others = self.promise_of_both(others)?;
+        others.truncate(TRIED);
         others.sort_by_key(|p| p.index);
         let by_name: Vec<Named> =
             others.iter().map(|p| named(fitted(p).unwrap_or(&p.start), p.index)).collect();
         let without = Named { near: &sifted.mended.twin, changes: taken.clone() };
         let are_equal = rivals.equals(&without, &named(&best.twin, best.index), &by_name)?;
         Ok(others.iter().zip(are_equal).filter(|(_, is)| *is).map(|(p, _)| p.index).collect())
+    }
+
+    /// Those that leave least of both recordings where a fit of them begins first.
+    fn promise_of_both<'a>(
+        &self,
+        all: Vec<&'a Promising>,
+    ) -> Result<Vec<&'a Promising>, ServoError> {
+        let of = |p: &&'a Promising| -> Result<_, ServoError> {
+            let [fit, check] = self.both.map(|one| one.left(&p.start));
+            Ok((fit?.ln() + check?.ln(), *p))
+        };
+        let mut all: Vec<(f64, &Promising)> = all.par_iter().map(of).collect::<Result<_, _>>()?;
+        all.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        Ok(all.into_iter().map(|(_, p)| p).collect())
     }
 
     /// Those that take off as much as any of them, or surely no less: a twin that is wrong otherwise tells no more.
@@ -273,13 +291,14 @@ impl Sieve<'_> {
     }
 
     fn left(&self, twin: &Twin) -> Result<Sizes, ServoError> {
-        Sizes::along(self.check, twin, f64::INFINITY)
+        self.both[1].left(twin)
     }
 }
 
 /// Those that promise most, of changes that promise something, most first.
 fn worth_a_fit(promising: &[Promising]) -> &[Promising] {
-    let least = promising.first().map_or(0.0, |most| PROMISING * most.gain);
+    // Nearer in sum may be further by shares: then none promises more than another.
+    let least = promising.first().map_or(0.0, |most| most.gain.min(PROMISING * most.gain));
     let few = promising.iter().take(TRIED).take_while(|p| p.gain >= least).count();
     &promising[..few]
 }

@@ -74,6 +74,11 @@ impl Sizes {
         low > 0.0
     }
 
+    /// Mean over all joints, rad.
+    pub fn mean_rad(&self) -> f64 {
+        self.means().iter().sum::<f64>() / self.joints.len().max(1) as f64
+    }
+
     fn means(&self) -> Vec<f64> {
         self.joints.iter().map(|e| e.iter().sum::<f64>() / e.len().max(1) as f64).collect()
     }

@@ -18,6 +18,10 @@ pub fn page(d: &Diagnosis) -> String {
         mrad(position.after_rad),
         table(&head, 1, position.joints.iter().map(joint))
     );
+    let [before, after] = [position.own_open.before_rad, position.own_open.after_rad].map(mrad);
+    text += &format!(
+        "mean size, with what the twin leaves open as this recording has it: {before} -> {after} mrad\n"
+    );
     for cause in &position.causes {
         let (effect, place) = (&cause.effect, words::place(&cause.joints));
         let [before, after] = [cause.before_rad, cause.after_rad].map(mrad);

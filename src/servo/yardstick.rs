@@ -1,0 +1,114 @@
+//! How far a twin is from a recording that it is held against, led along its command from the first sample to the last.
+//!
+//! What a twin leaves open is what that recording says of it, with a change and without, as by torque: gears that are warmer
+//! have less friction, and one motion hardly tells how a joint brakes at the speeds of another. Values of changes stay as they are.
+
+use super::fit::weigh;
+use super::parameters::{Free, with_values};
+use super::problem::Problem;
+use super::sizes::Sizes;
+use super::{ServoError, Settings, Track, free_parameters};
+use crate::identification::levenberg_marquardt::{self as minimiser, Residuals};
+use crate::regression::bounds::Bounds;
+use crate::twin::Twin;
+
+/// Simulations of a twin with other open values, at most: columns are those of a twin nearby, so that a step or two do.
+const STEPS: usize = 5;
+/// Relative change of what errors count below which open values are told well enough to compare what is left.
+const ABOUT: f64 = 1e-3;
+
+/// A recording that twins are held against.
+pub struct Yardstick<'a> {
+    pub track: &'a Track,
+    /// Effects whose values the twin leaves open.
+    open: Vec<String>,
+    /// How errors change with each open value, rad by its unit, joint after joint; empty where none is open or the twin cannot be
+    /// simulated.
+    columns: Vec<Vec<f64>>,
+}
+
+impl<'a> Yardstick<'a> {
+    /// For twins near `twin`.
+    ///
+    /// # Errors
+    /// If an open effect cannot be fitted.
+    pub fn new(twin: &Twin, track: &'a Track) -> Result<Self, ServoError> {
+        let open: Vec<String> = twin.open().map(|e| e.about().name.to_string()).collect();
+        let free = free_parameters(twin, &open)?;
+        if free.is_empty() {
+            return Ok(Self { track, open, columns: Vec::new() });
+        }
+        let tracks = [track];
+        let mut problem = Problem::new(twin, &tracks, &free, Settings::default().horizon_s);
+        problem.with_priors = false;
+        let x = starts(&free);
+        let mut columns = problem.jacobian(&x, &problem.errors(&x), &Bounds::unbounded(x.len()));
+        if columns.iter().flatten().any(|c| !c.is_finite()) {
+            columns.clear();
+        }
+        Ok(Self { track, open, columns })
+    }
+
+    /// What a twin leaves of the recording, its open values as the recording has them.
+    ///
+    /// # Errors
+    /// If the twin cannot be simulated.
+    pub fn left(&self, twin: &Twin) -> Result<Sizes, ServoError> {
+        Sizes::along(self.track, &self.opened(twin)?, f64::INFINITY)
+    }
+
+    /// `twin` with its open values as the recording has them; as it is where that cannot be told.
+    fn opened(&self, twin: &Twin) -> Result<Twin, ServoError> {
+        if self.columns.is_empty() {
+            return Ok(twin.clone());
+        }
+        let free = free_parameters(twin, &self.open)?;
+        let free: Vec<Free> = free.into_iter().map(|f| f.near_start(twin)).collect();
+        let x = starts(&free);
+        let tracks = [self.track];
+        let mut problem = Problem::new(twin, &tracks, &free, Settings::default().horizon_s);
+        let errors = problem.errors(&x);
+        if errors.iter().any(|e| !e.is_finite()) {
+            return Ok(twin.clone());
+        }
+        problem.counts_independent = true;
+        problem.by_size = true;
+        weigh(&mut problem, &errors);
+        let range = |end: fn(&Free) -> f64| free.iter().map(end).collect();
+        let bounds = Bounds::new(range(|f| f.min), range(|f| f.max))
+            .unwrap_or_else(|_| Bounds::unbounded(free.len()));
+        let settings = minimiser::Settings {
+            cost_tolerance: ABOUT,
+            step_tolerance: ABOUT,
+            max_evaluations: STEPS,
+            ..minimiser::Settings::default()
+        };
+        let chord = Chord { problem, columns: &self.columns };
+        let found = minimiser::minimise(&chord, &x, &bounds, &settings);
+        Ok(with_values(twin, &free, &found.x))
+    }
+}
+
+/// A problem with the columns of a twin nearby (the chord method).
+struct Chord<'a> {
+    problem: Problem<'a>,
+    columns: &'a [Vec<f64>],
+}
+
+impl Residuals for Chord<'_> {
+    fn count(&self) -> usize {
+        self.problem.count()
+    }
+
+    fn residuals(&self, x: &[f64], out: &mut [f64]) {
+        self.problem.residuals(x, out);
+    }
+
+    fn jacobian(&self, _: &[f64], r: &[f64], _: &Bounds) -> Vec<Vec<f64>> {
+        self.problem.counted_columns(self.columns.to_vec(), r)
+    }
+}
+
+fn starts(free: &[Free]) -> Vec<f64> {
+    free.iter().map(|f| f.start).collect()
+}
