@@ -59,7 +59,7 @@ pub fn diagnose(
     let near = following(&refits.before.twin, &fit_track, watch)?;
     let horizon_s = Settings::default().horizon_s;
     let [seen_fit, seen_check] = [fit, check].map(|s| linearised(&near, s, horizon_s));
-    let yardstick = |track| Yardstick::new(&refits.before.twin, track);
+    let yardstick = |track| Yardstick::new(&refits.before.twin, refits.open(), track);
     let (fit_yardstick, check_yardstick) = (yardstick(&fit_track)?, yardstick(&check_track)?);
     let (mut after, mut taken) = (refits.before.clone(), Vec::new());
     let mut proof = |offers: &[Offer]| {

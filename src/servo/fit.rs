@@ -64,8 +64,10 @@ pub struct Fitted {
 }
 
 /// Rounds over stretches of these shares of the longest: where a joint sticks a little earlier or later the error of
-/// long ones jumps, that of short ones hardly. The second long round has weights by what the first left.
-const STRETCHES: [f64; 3] = [0.1, 1.0, 1.0];
+/// long ones jumps, that of short ones hardly. The second long round has weights by what the first left. Where errors count by
+/// their size they do in long rounds: far from what is sought all of them are large, and squares lead there.
+const STRETCHES: [f64; 3] = [0.1, LONG, LONG];
+const LONG: f64 = 1.0;
 /// Relative change of the sum of squares below which a search ends: less than one recording tells from the next, and
 /// where values are compared that differ by more.
 const CLOSE: f64 = 1e-4;
@@ -89,7 +91,6 @@ pub fn identify(
     watch: &dyn Watch,
 ) -> Result<Fitted, ServoError> {
     let mut problem = posed(twin, tracks, free, settings)?;
-    problem.by_size = true;
     let before = gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
     let Search { x, evaluations, stop } =
         stoppable(watch, || searched(&mut problem, (&STRETCHES, CLOSE), settings, watch))?;
@@ -103,7 +104,7 @@ pub fn identify(
     Ok(Fitted { estimates, twin: settled(fitted), before, after, samples, cost, evaluations, stop })
 }
 
-/// How much work a fit of changes is: each value is held near where it is expected, as firmly as a recording of so many
+/// How much work a fit of changes is. Errors count as they do where changes are compared, by their size; each value is held near where it is expected, as firmly as a recording of so many
 /// independent rows lets it, and what the recordings say of each is left out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fit {
@@ -195,9 +196,10 @@ fn searched(
     watch: &dyn Watch,
 ) -> Search {
     let mut found = Search { x: starts(problem.free), evaluations: 0, stop: Stop::Evaluations };
+    let by_size = problem.by_size;
     for share in stretches {
         let horizon_s = share * settings.horizon_s;
-        let (counts_independent, by_size) = (problem.counts_independent, problem.by_size);
+        let (counts_independent, by_size) = (problem.counts_independent, by_size && *share == LONG);
         *problem = Problem::new(problem.twin, problem.tracks, problem.free, horizon_s);
         problem.counts_independent = counts_independent;
         problem.by_size = by_size;

@@ -198,6 +198,11 @@ impl<'a> Refits<'a> {
         by.of(start, tracks, &free, self.watch)
     }
 
+    /// Effects whose values the twin, as given, leaves open.
+    pub fn open(&self) -> Vec<String> {
+        self.twin.open().map(|e| e.about().name.to_string()).collect()
+    }
+
     /// What the twin leaves open, and the parameters of the changes where they act, with their values in `start`. They are
     /// expected near those, beside changes near those before, as far off as such effects usually are, or as a
     /// search has them: what the recording does not tell stays there (friction of a joint that hardly moves).
@@ -205,7 +210,7 @@ impl<'a> Refits<'a> {
     /// # Errors
     /// If a change has values that cannot be fitted.
     pub fn free(&self, start: &Twin, changes: &[Change]) -> Result<Vec<Free>, ServoError> {
-        let open: Vec<String> = self.twin.open().map(|e| e.about().name.to_string()).collect();
+        let open = self.open();
         let all = |twin: &Twin| -> Result<Vec<Free>, ServoError> {
             let mut free = free_parameters(twin, &open)?;
             for change in changes {

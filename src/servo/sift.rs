@@ -307,3 +307,26 @@ fn worth_a_fit(promising: &[Promising]) -> &[Promising] {
 fn with(taken: &[Change], offer: &Offer) -> Vec<Change> {
     taken.iter().chain([&offer.change]).cloned().collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Some of what promises is always worth a fit, or a search would not end.
+    #[test]
+    fn the_best_of_what_promises_is_worth_a_fit() {
+        let promising = |gains: &[f64]| -> Vec<Promising> {
+            let one = |(index, gain): (usize, &f64)| Promising {
+                index,
+                start: Twin::default(),
+                gain: *gain,
+            };
+            gains.iter().enumerate().map(one).collect()
+        };
+        let worth = |gains: &[f64]| worth_a_fit(&promising(gains)).len();
+        assert_eq!(worth(&[1.0, 0.6, 0.4]), 2);
+        assert_eq!(worth(&[-0.1, -0.3]), 1, "nearer in sum, further by shares");
+        assert_eq!(worth(&[1.0; 30]), TRIED);
+        assert_eq!(worth(&[]), 0);
+    }
+}

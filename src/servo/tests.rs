@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use super::fit::weigh;
 use super::problem::Problem;
 use super::refit::Refits;
 use super::rivals::{Named, Rivals};
 use super::screen::{Other, starts};
 use super::sift::{Sieve, Sifted};
+use super::yardstick::Yardstick;
 use super::*;
 use crate::diagnosis::{Change, Offer, Stands, Value, changed};
 use crate::identification::levenberg_marquardt::Residuals;
@@ -260,7 +262,9 @@ fn sifted(scenario: &str, effect: &str, open: &[&str], changes: &[Change]) -> Si
     open.iter().for_each(|name| drop(twin.values.remove(*name)));
     let refits = Refits::new(&twin, &fit, &()).unwrap();
     let settings = crate::diagnosis::Settings::default();
-    let sieve = Sieve { refits: &refits, check: &check, settings: &settings };
+    let yardstick = |track| Yardstick::new(&refits.before.twin, refits.open(), track).unwrap();
+    let both = [&yardstick(&fit), &yardstick(&check)];
+    let sieve = Sieve { refits: &refits, both, settings: &settings };
     let offer = |change: &Change| Offer { change: change.clone(), among: 1 };
     sieve.sift(&changes.iter().map(offer).collect::<Vec<_>>()).unwrap()
 }
@@ -359,7 +363,9 @@ fn names_are_equal_that_two_recordings_do_not_tell_apart() {
         .map(|other| by_rapier(&scenario.replace("duration_s = 6", other)));
     let twin = without(&truth, "payload");
     let refits = Refits::new(&twin, &fit, &()).unwrap();
-    let rivals = Rivals { refits: &refits, check: &check, inexact: 0.1 };
+    let yardstick = |track| Yardstick::new(&refits.before.twin, refits.open(), track).unwrap();
+    let both = [&yardstick(&fit), &yardstick(&check)];
+    let rivals = Rivals { refits: &refits, both, inexact: 0.1 };
     let found = |effect: &str, joints: &[usize], values: &[(&str, f64)]| {
         let change = change(effect, joints, values);
         let near = changed(&refits.before.twin, &BTreeMap::new(), std::slice::from_ref(&change));
@@ -375,6 +381,52 @@ fn names_are_equal_that_two_recordings_do_not_tell_apart() {
         [&load, &heavy, &offset].map(|(near, changes)| Named { near, changes: changes.clone() });
     let equals = rivals.equals(&without, &load, &[heavy, offset]).unwrap();
     assert_eq!(equals, [true, false]);
+}
+
+/// What a twin leaves open is what a recording says of it, whatever another said; what it lacks stays.
+#[test]
+fn open_values_are_those_of_the_recording_it_is_held_against() {
+    let (truth, track) = by_rapier(SERVOS);
+    let mut elsewhere = truth.clone();
+    elsewhere.values.get_mut("viscous").unwrap().iter_mut().for_each(|v| *v *= 10.0);
+    let mut soft = elsewhere.clone();
+    soft.drive.servo.as_mut().unwrap().gain.iter_mut().for_each(|k| *k *= 0.8);
+    let left = |twin: &Twin, open: &[&str]| {
+        let open = open.iter().map(|name| name.to_string()).collect();
+        Yardstick::new(twin, open, &track).unwrap().left(twin).unwrap().mean_rad()
+    };
+    let [own, kept, lacks] =
+        [left(&elsewhere, &["viscous"]), left(&elsewhere, &[]), left(&soft, &["viscous"])];
+    assert!(own < 0.2 * kept, "{own} {kept}");
+    assert!(lacks > 0.5 * left(&soft, &[]), "{lacks}");
+}
+
+/// What stops an arm for a moment is not simulated: the value that meets the rest of the recording best counts least.
+#[test]
+fn a_stop_of_the_arm_does_not_decide_a_value() {
+    let (truth, mut track) = by_rapier(SERVOS);
+    (600..700).for_each(|k| track.q.joint_mut(1)[k] -= 0.05);
+    let mut twin = truth.clone();
+    twin.drive.servo.as_mut().unwrap().gain[1] *= 0.8;
+    let mut free = free_parameters(&twin, &["servo_gain".to_string()]).unwrap();
+    free.retain(|f| f.joint == Some(1));
+    let tracks = [&track];
+    let best = |by_size: bool| {
+        let mut problem = Problem::new(&twin, &tracks, &free, 2.0);
+        problem.by_size = by_size;
+        let errors = problem.errors(&[0.25]);
+        weigh(&mut problem, &errors);
+        let counts = |x: f64| -> f64 {
+            let mut r = vec![0.0; problem.count()];
+            problem.residuals(&[x], &mut r);
+            r.iter().map(|r| r * r).sum()
+        };
+        let values = (0..=20).map(|i| -0.25 + 0.05 * f64::from(i));
+        values.min_by(|a, b| counts(*a).total_cmp(&counts(*b))).unwrap()
+    };
+    let [by_size, by_square] = [best(true), best(false)];
+    assert!((by_size - 0.25).abs() < 0.06, "{by_size}");
+    assert!((by_square - 0.25).abs() > 0.09, "{by_square}");
 }
 
 const BENT: &str = "[effects.servo_offset]\nservo_offset = [0, 0, 0, 0, 0.02, 0]\n";
@@ -449,12 +501,17 @@ fn a_tangent_is_what_differences_between_simulations_have() {
     let mut free = free_parameters(&twin, &names).unwrap();
     free.retain(|f| f.joint.is_none_or(|j| (1..5).contains(&j)));
     let tracks = [&track];
-    let problem = Problem::new(&twin, &tracks, &free, 2.0);
+    let mut problem = Problem::new(&twin, &tracks, &free, 2.0);
+    // Errors that count partly by their size.
+    (problem.by_size, problem.with_priors) = (true, false);
+    problem.weights.fill(1e4);
     let x: Vec<f64> = free.iter().map(|f| f.start).collect();
-    let steps = problem.steps(&x, &Bounds::unbounded(x.len()));
+    let bounds = Bounds::unbounded(x.len());
+    let steps = problem.steps(&x, &bounds);
     let mut r = vec![0.0; problem.count()];
     problem.residuals(&x, &mut r);
-    let tangents = problem.tangents(&x, &steps).unwrap();
+    assert!(problem.tangents(&x, &steps).is_some());
+    let tangents = problem.jacobian(&x, &r, &bounds);
     let differences = problem.differences(&x, &r, &steps);
     let size = |column: &[f64]| column.iter().map(|d| d * d).sum::<f64>().sqrt();
     for ((f, tangent), difference) in free.iter().zip(tangents).zip(differences) {

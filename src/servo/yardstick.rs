@@ -28,12 +28,11 @@ pub struct Yardstick<'a> {
 }
 
 impl<'a> Yardstick<'a> {
-    /// For twins near `twin`.
+    /// For twins near `twin`, the effects `open` of which are open.
     ///
     /// # Errors
     /// If an open effect cannot be fitted.
-    pub fn new(twin: &Twin, track: &'a Track) -> Result<Self, ServoError> {
-        let open: Vec<String> = twin.open().map(|e| e.about().name.to_string()).collect();
+    pub fn new(twin: &Twin, open: Vec<String>, track: &'a Track) -> Result<Self, ServoError> {
         let free = free_parameters(twin, &open)?;
         if free.is_empty() {
             return Ok(Self { track, open, columns: Vec::new() });
