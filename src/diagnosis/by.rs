@@ -47,6 +47,13 @@ pub struct OwnOpen {
     pub after_rad: f64,
 }
 
+impl OwnOpen {
+    /// Share of the size that is taken off.
+    pub fn fraction(&self) -> f64 {
+        if self.before_rad > 0.0 { 1.0 - self.after_rad / self.before_rad } else { 0.0 }
+    }
+}
+
 /// Root mean square over joints of the simulated position's error on the check recording, without a cause and
 /// with it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

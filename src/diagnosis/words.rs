@@ -1,6 +1,8 @@
 //! A diagnosis in sentences.
 
-use super::{Cause, Diagnosis, Episode, Touch, UnexplainedJoint, Value, Verdict};
+use super::{
+    Cause, Diagnosis, Episode, OwnOpen, Position, Touch, UnexplainedJoint, Value, Verdict,
+};
 use crate::numbers::digits;
 
 /// "joint 2", "joints 1, 3" or "the whole arm"; joints count from 1.
@@ -71,6 +73,10 @@ const WORSE: &str = "what is found on one recording makes the other worse; the a
                      perhaps its load";
 
 fn explained(d: &Diagnosis) -> String {
+    if let Some(position) = &d.position {
+        let share = percent(position.own_open.fraction());
+        return format!("{share} of the position error is explained: t");
+    }
     if is_worse(d) {
         return "What is found on one recording makes the other worse: is the arm the same, with its \
                 load? T"
@@ -101,13 +107,10 @@ fn uncertain(d: &Diagnosis) -> String {
 
 /// What belongs to the headline: the gap in N.m, what stays, and who pushed.
 pub fn further(d: &Diagnosis) -> String {
-    let torque = &d.shrink.torque;
-    let goes = if is_worse(d) { "grows" } else { "shrinks" };
-    let sizes = format!(
-        "The gap {goes} from {:.2} to {:.2} N.m (noise: {:.2} N.m) on a recording that was not \
-         searched.",
-        torque.before_nm, torque.after_nm, torque.noise_floor_nm
-    );
+    let sizes = match &d.position {
+        Some(position) => position_shrinks(position),
+        None => torque_shrinks(d),
+    };
     let parts = match d.verdict {
         Verdict::NoGap => vec![pushes(d)],
         Verdict::Unexplained => vec![stays(d), pushes(d)],
@@ -115,6 +118,26 @@ pub fn further(d: &Diagnosis) -> String {
         Verdict::PartlyExplained => vec![sizes, rest(d), pushes(d)],
     };
     parts.into_iter().filter(|p| !p.is_empty()).collect::<Vec<_>>().join(" ")
+}
+
+fn torque_shrinks(d: &Diagnosis) -> String {
+    let torque = &d.shrink.torque;
+    let goes = if is_worse(d) { "grows" } else { "shrinks" };
+    format!(
+        "The gap {goes} from {:.2} to {:.2} N.m (noise: {:.2} N.m) on a recording that was not \
+         searched.",
+        torque.before_nm, torque.after_nm, torque.noise_floor_nm
+    )
+}
+
+/// What causes of position servos are decided by.
+fn position_shrinks(position: &Position) -> String {
+    let OwnOpen { before_rad, after_rad } = position.own_open;
+    format!(
+        "The position error (mean size) shrinks from {:.2} to {:.2} mrad on a recording that was not searched.",
+        1e3 * before_rad,
+        1e3 * after_rad
+    )
 }
 
 /// How far all causes together take the gap down: in N.m, and as a share of what lies above the noise.
@@ -158,6 +181,9 @@ fn unexplained(d: &Diagnosis) -> String {
 }
 
 fn shrinks(d: &Diagnosis) -> String {
+    if let Some(position) = &d.position {
+        return position_shrinks(position);
+    }
     let torque = &d.shrink.torque;
     if is_worse(d) {
         let [before, after] = [torque.before_nm, torque.after_nm];
