@@ -33,21 +33,21 @@ pub struct Position {
     pub after_rad: f64,
     /// 1 - after^2 / before^2.
     pub fraction: f64,
-    pub own_open: OwnOpen,
+    pub open_refitted: OpenRefitted,
     pub joints: Vec<JointPositionShrink>,
     /// What each cause takes off when it is added to all the others.
     pub causes: Vec<PositionShrink>,
 }
 
-/// Mean size of the position error over all joints on the check recording, what the twin leaves open as that recording has
-/// it: what causes are decided by.
+/// Mean size of the position error over all joints on the check recording, what the twin leaves open fitted to that recording:
+/// what causes are decided by.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct OwnOpen {
+pub struct OpenRefitted {
     pub before_rad: f64,
     pub after_rad: f64,
 }
 
-impl OwnOpen {
+impl OpenRefitted {
     /// Share of the size that is taken off.
     pub fn fraction(&self) -> f64 {
         if self.before_rad > 0.0 { 1.0 - self.after_rad / self.before_rad } else { 0.0 }

@@ -48,12 +48,8 @@ pub fn diagnose(
     watch: &dyn Watch,
 ) -> Result<Found, ServoError> {
     let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
-    let [mut fit_track, mut check_track] = [Track::new(fit, servo)?, Track::new(check, servo)?];
-    // The same encoders: where a joint stands still a recording does not tell its step.
-    let coarser = |(a, b): (&f64, &f64)| a.max(*b);
-    let resolution: Vec<f64> =
-        fit_track.resolution.iter().zip(&check_track.resolution).map(coarser).collect();
-    (fit_track.resolution, check_track.resolution) = (resolution.clone(), resolution);
+    let [fit_track, check_track] =
+        Track::of_one_arm([Track::new(fit, servo)?, Track::new(check, servo)?]);
     watch.tell("fitting what the twin leaves open", 0, 0);
     let refits = Refits::new(twin, &fit_track, watch)?;
     let near = following(&refits.before.twin, &fit_track, watch)?;

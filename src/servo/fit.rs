@@ -64,14 +64,12 @@ pub struct Fitted {
 }
 
 /// Rounds over stretches of these shares of the longest: where a joint sticks a little earlier or later the error of
-/// long ones jumps, that of short ones hardly. The second long round has weights by what the first left. Where errors count by
-/// their size they do in long rounds: far from what is sought all of them are large, and squares lead there.
-const STRETCHES: [f64; 3] = [0.1, LONG, LONG];
-const LONG: f64 = 1.0;
-/// Relative change of the sum of squares below which a search ends: less than one recording tells from the next, and
+/// long ones jumps, that of short ones hardly. The second long round has weights by what the first left.
+const STRETCHES: [f64; 3] = [0.1, 1.0, 1.0];
+/// Relative change of what errors count below which a search ends: less than one recording tells from the next, and
 /// where values are compared that differ by more.
 const CLOSE: f64 = 1e-4;
-const ABOUT: f64 = 1e-3;
+pub(super) const ABOUT: f64 = 1e-3;
 /// Evaluations of a search for values that are compared: with exact columns what fits is found in half of them.
 const FEW: usize = 40;
 /// Sums of neighbouring rows whose correlation is looked at: every pair of them is.
@@ -104,8 +102,9 @@ pub fn identify(
     Ok(Fitted { estimates, twin: settled(fitted), before, after, samples, cost, evaluations, stop })
 }
 
-/// How much work a fit of changes is. Errors count as they do where changes are compared, by their size; each value is held near where it is expected, as firmly as a recording of so many
-/// independent rows lets it, and what the recordings say of each is left out.
+/// How much work a fit of changes is. Errors count as they do where changes are compared, by their size. Each value is held near
+/// where it is expected, as firmly as a recording of so many independent rows lets it, and what the recordings say of each is
+/// left out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fit {
     /// From any values that the twin can be led with: by short stretches.
@@ -136,8 +135,7 @@ impl Fit {
         let settings = &Settings { max_evaluations, ..Settings::default() };
         let mut problem = posed(twin, tracks, free, settings)?;
         gaps(&with_values(twin, free, &starts(free)), tracks, settings)?;
-        problem.counts_independent = true;
-        problem.by_size = true;
+        (problem.counts_independent, problem.is_robust) = (true, true);
         let found =
             stoppable(watch, || searched(&mut problem, (stretches, tolerance), settings, watch))?;
         Ok(settled(with_values(twin, free, &found.x)))
@@ -177,15 +175,22 @@ fn posed<'a>(
     Ok(problem)
 }
 
-fn starts(free: &[Free]) -> Vec<f64> {
+pub(super) fn starts(free: &[Free]) -> Vec<f64> {
     free.iter().map(|f| f.start).collect()
 }
 
 /// Where a search is.
-struct Search {
-    x: Vec<f64>,
+pub(super) struct Search {
+    pub x: Vec<f64>,
     evaluations: usize,
     stop: Stop,
+}
+
+impl Search {
+    /// At the values that a fit starts from.
+    pub(super) fn new(free: &[Free]) -> Self {
+        Self { x: starts(free), evaluations: 0, stop: Stop::Evaluations }
+    }
 }
 
 /// A round over stretches of each of these shares, each joint weighed by what the last round left of it.
@@ -195,29 +200,25 @@ fn searched(
     settings: &Settings,
     watch: &dyn Watch,
 ) -> Search {
-    let mut found = Search { x: starts(problem.free), evaluations: 0, stop: Stop::Evaluations };
-    let by_size = problem.by_size;
+    let mut found = Search::new(problem.free);
     for share in stretches {
-        let horizon_s = share * settings.horizon_s;
-        let (counts_independent, by_size) = (problem.counts_independent, by_size && *share == LONG);
-        *problem = Problem::new(problem.twin, problem.tracks, problem.free, horizon_s);
-        problem.counts_independent = counts_independent;
-        problem.by_size = by_size;
+        *problem = problem.over(share * settings.horizon_s);
         go_on(watch);
         let errors = problem.errors(&found.x);
         weigh(problem, &errors);
         let most = settings.max_evaluations / stretches.len();
-        found = minimised(problem, found, (tolerance, most));
+        found = minimised(problem, problem.free, found, (tolerance, most));
     }
     found
 }
 
-fn minimised(
-    problem: &Problem<'_>,
+/// The values `free` of a problem, from where a search is, in their ranges.
+pub(super) fn minimised(
+    problem: &impl Residuals,
+    free: &[Free],
     from: Search,
     (tolerance, max_evaluations): (f64, usize),
 ) -> Search {
-    let free = problem.free;
     let bounds =
         Bounds::new(free.iter().map(|f| f.min).collect(), free.iter().map(|f| f.max).collect())
             .unwrap_or_else(|_| Bounds::unbounded(free.len()));
@@ -240,7 +241,7 @@ pub(super) fn weigh(problem: &mut Problem<'_>, errors: &[f64]) {
     }
 }
 
-/// 1 / rms of each joint's errors, rounding counted among them.
+/// 1 / what is usual of each joint's errors, their mean size where they count by it, else their rms, at least that of rounding.
 fn weights(problem: &Problem<'_>, errors: &[f64]) -> Vec<f64> {
     let rows = problem.samples();
     let resolution = |j: usize| problem.tracks.iter().map(|t| t.resolution[j]).fold(0.0, f64::max);
@@ -248,7 +249,7 @@ fn weights(problem: &Problem<'_>, errors: &[f64]) -> Vec<f64> {
         let of_joint = &errors[j * rows..(j + 1) * rows];
         let least = (resolution(j).powi(2) / 12.0).max(1e-12).sqrt();
         let mean = |of: fn(&f64) -> f64| of_joint.iter().map(of).sum::<f64>() / rows as f64;
-        let usual = if problem.by_size { mean(|e| e.abs()) } else { mean(|e| e * e).sqrt() };
+        let usual = if problem.is_robust { mean(|e| e.abs()) } else { mean(|e| e * e).sqrt() };
         let usual = usual.max(least);
         if usual.is_finite() { 1.0 / usual } else { 1.0 }
     };
@@ -274,7 +275,7 @@ fn estimates(
     settings: &Settings,
 ) -> Result<Vec<Estimate>, ServoError> {
     problem.with_priors = false;
-    problem.by_size = false;
+    problem.is_robust = false;
     let free = problem.free;
     let bounds = Bounds::unbounded(x.len());
     let mut r = vec![0.0; problem.count()];

@@ -10,7 +10,7 @@ use super::refit::{Refitted, taken_out};
 use super::yardstick::Yardstick;
 use super::{Estimate, PositionGap, ServoError, replay};
 use crate::diagnosis::{
-    By, Cause, Change, Diagnosis, JointPositionShrink, OwnOpen, Position, PositionShrink,
+    By, Cause, Change, Diagnosis, JointPositionShrink, OpenRefitted, Position, PositionShrink,
     SimulationShrink, Value, Verdict,
 };
 use crate::effects::{Size, find};
@@ -53,9 +53,10 @@ pub fn prove(
         Ok(PositionShrink { effect, joints, before_rad, after_rad: rms, fraction })
     };
     let causes = diagnosis.causes.par_iter().map(without).collect::<Result<_, _>>()?;
-    let [own_before, own_after] = [before, after].map(|r| check.left(&r.twin));
-    let own = [own_before?.mean_rad(), own_after?.mean_rad()];
-    put(diagnosis, &gaps, own, causes);
+    let [before, after] = [before, after].map(|r| check.left(&r.twin));
+    let open_refitted =
+        OpenRefitted { before_rad: before?.mean_rad(), after_rad: after?.mean_rad() };
+    put(diagnosis, &gaps, open_refitted, causes);
     Ok(vec![q_before, q_after])
 }
 
@@ -107,7 +108,7 @@ fn shift(value: &mut Value, by: f64) {
 fn put(
     diagnosis: &mut Diagnosis,
     [before, after]: &[PositionGap; 2],
-    own: [f64; 2],
+    open_refitted: OpenRefitted,
     causes: Vec<PositionShrink>,
 ) {
     let joint = |(b, a): (&super::JointPosition, &super::JointPosition)| JointPositionShrink {
@@ -127,9 +128,8 @@ fn put(
     diagnosis.by = By::Simulation;
     diagnosis.shrink.simulation =
         Some(SimulationShrink { before_rad, after_rad, fraction, ..SimulationShrink::default() });
-    let own_open = OwnOpen { before_rad: own[0], after_rad: own[1] };
     diagnosis.position =
-        Some(Position { before_rad, after_rad, fraction, own_open, joints, causes });
+        Some(Position { before_rad, after_rad, fraction, open_refitted, joints, causes });
 }
 
 /// Share of a mean square that is taken off between two root mean squares.

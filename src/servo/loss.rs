@@ -4,22 +4,22 @@
 //! rho(u) = 2 (sqrt(1 + u^2) - 1), written as the square of a residual (Triggs, McLauchlan, Hartley and Fitzgibbon, *Bundle
 //! adjustment - a modern synthesis*, 2000, section 4.3), so that a minimiser of sums of squares minimises it.
 
-/// sign(u) sqrt(rho(u)), for an error in units of what is usual.
-pub fn counted(u: f64) -> f64 {
+/// sign(u) sqrt(rho(u)), for an error u in units of what is usual.
+pub fn residual(u: f64) -> f64 {
     match u.is_finite() {
         true => u * (2.0 / (1.0 + u.hypot(1.0))).sqrt(),
         false => u,
     }
 }
 
-/// How what is counted changes with the error, where it is `counted`.
-pub fn slope(counted: f64) -> f64 {
-    let s = 1.0 + 0.5 * counted * counted;
+/// d residual / du, where the residual is `r`.
+pub fn slope(r: f64) -> f64 {
+    let s = 1.0 + 0.5 * r * r;
     if s.is_finite() { (0.5 * (1.0 + s)).sqrt() / s } else { 0.0 }
 }
 
-/// The factor of an error whose square counts about what the loss counts (iteratively reweighted least squares).
-pub fn factor(u: f64) -> f64 {
+/// Square root of the weight of u in iteratively reweighted least squares, (rho'(u) / 2u)^(1/2).
+pub fn root_weight(u: f64) -> f64 {
     u.hypot(1.0).sqrt().recip()
 }
 
@@ -29,17 +29,26 @@ mod tests {
 
     #[test]
     fn small_errors_count_by_their_square_large_ones_by_their_size() {
-        assert!((counted(1e-3) / 1e-3 - 1.0).abs() < 1e-6);
-        assert!((counted(-1e6).powi(2) / 2e6 - 1.0).abs() < 1e-5);
-        assert!((counted(3.0).powi(2) - 2.0 * (10f64.sqrt() - 1.0)).abs() < 1e-12);
-        assert_eq!(counted(f64::INFINITY), f64::INFINITY);
+        assert!((residual(1e-3) / 1e-3 - 1.0).abs() < 1e-6);
+        assert!((residual(-1e6).powi(2) / 2e6 - 1.0).abs() < 1e-5);
+        assert!((residual(3.0).powi(2) - 2.0 * (10f64.sqrt() - 1.0)).abs() < 1e-12);
+        assert_eq!(residual(f64::INFINITY), f64::INFINITY);
+    }
+
+    /// Its square pulls at a small change of u as the loss does.
+    #[test]
+    fn the_weight_is_that_of_the_slope() {
+        for u in [-30.0, -1.0, 0.2, 5.0] {
+            let pull = residual(u) * slope(residual(u));
+            assert!((root_weight(u).powi(2) * u - pull).abs() < 1e-12, "{u}");
+        }
     }
 
     #[test]
     fn the_slope_is_that_of_differences() {
         for u in [-30.0, -1.0, 0.0, 0.2, 5.0] {
-            let by_difference = (counted(u + 1e-6) - counted(u - 1e-6)) / 2e-6;
-            assert!((slope(counted(u)) - by_difference).abs() < 1e-8, "{u}");
+            let by_difference = (residual(u + 1e-6) - residual(u - 1e-6)) / 2e-6;
+            assert!((slope(residual(u)) - by_difference).abs() < 1e-8, "{u}");
         }
     }
 }

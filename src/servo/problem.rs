@@ -37,8 +37,8 @@ pub struct Problem<'a> {
     /// Weight of such a row, the square root of how many rows of errors, which go along with each other, say as much as
     /// one would say alone.
     pub prior_weight: f64,
-    /// Do errors count by their size where they are large ([`loss`]), or all of them by their square?
-    pub by_size: bool,
+    /// Do large errors count by their size ([`loss`]), or all of them by their square?
+    pub is_robust: bool,
 }
 
 impl<'a> Problem<'a> {
@@ -58,7 +58,17 @@ impl<'a> Problem<'a> {
             with_priors: true,
             counts_independent: false,
             prior_weight: 1.0,
-            by_size: false,
+            is_robust: false,
+        }
+    }
+
+    /// The same over stretches of another length, all joints weighing alike.
+    pub fn over(&self, horizon_s: f64) -> Self {
+        Self {
+            with_priors: self.with_priors,
+            counts_independent: self.counts_independent,
+            is_robust: self.is_robust,
+            ..Self::new(self.twin, self.tracks, self.free, horizon_s)
         }
     }
 
@@ -141,11 +151,11 @@ impl<'a> Problem<'a> {
         errors
     }
 
-    /// What errors count.
+    /// Residuals of errors, without rows for what is expected.
     fn counted(&self, errors: Vec<f64>) -> Vec<f64> {
         let mut counted = self.weighted(errors);
-        if self.by_size {
-            counted.iter_mut().for_each(|u| *u = loss::counted(*u));
+        if self.is_robust {
+            counted.iter_mut().for_each(|u| *u = loss::residual(*u));
         }
         counted
     }
@@ -178,7 +188,7 @@ impl Problem<'_> {
     pub(super) fn counted_columns(&self, columns: Vec<Vec<f64>>, r: &[f64]) -> Vec<Vec<f64>> {
         let counted = |column: Vec<f64>| {
             let mut column = self.weighted(column);
-            if self.by_size {
+            if self.is_robust {
                 column.iter_mut().zip(r).for_each(|(c, r)| *c *= loss::slope(*r));
             }
             column
@@ -201,7 +211,8 @@ impl Problem<'_> {
         (0..x.len()).map(|i| self.free[i].step(x[i], bounds.upper(i))).collect()
     }
 
-    /// How errors change with each value, by the tangent of the simulation, where it has one; those of what cannot be simulated are not finite.
+    /// How errors change with each value, by the tangent of the simulation, where it has one; columns of what cannot be
+    /// simulated are not finite.
     pub(super) fn tangents(&self, x: &[f64], steps: &[f64]) -> Option<Vec<Vec<f64>>> {
         let of = |track: &&Track| self.tangent(track, x, steps);
         let of_tracks: Vec<Tangent> = self.tracks.iter().map(of).collect::<Option<_>>()?;

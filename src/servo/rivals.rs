@@ -53,7 +53,7 @@ impl Rivals<'_> {
         left.map(|left| left.map(is_equal)).collect()
     }
 
-    /// What is left of both recordings, as [`Sizes::ln`] has it, infinite where the twin runs away; and is a value of the name at
+    /// What is left of both recordings, as [`super::sizes::Sizes::ln`] has it, infinite where the twin runs away; and is a value of the name at
     /// the end of its range?
     fn left(&self, Named { near, changes }: &Named<'_>) -> Result<(f64, bool), ServoError> {
         let tracks = self.both.map(|one| one.track);

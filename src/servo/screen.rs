@@ -195,13 +195,13 @@ impl Linear {
         let tracks = [fit];
         let mut problem = Problem::new(&shared.twin, &tracks, &shared.free, horizon_s);
         problem.counts_independent = true;
-        problem.by_size = true;
+        problem.is_robust = true;
         weigh(&mut problem, along.errors.as_slice());
         let rows = problem.samples();
         let Problem { weights, prior_weight, .. } = problem;
         let weight = |(row, error): (usize, &f64)| {
             let weight = weights[row / rows];
-            weight * loss::factor(weight * error)
+            weight * loss::root_weight(weight * error)
         };
         let weights = along.errors.iter().enumerate().map(weight).collect();
         Some(Self { weights, prior_weight, along, shared })

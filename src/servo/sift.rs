@@ -74,9 +74,9 @@ impl Sifted {
 impl Sieve<'_> {
     /// Which of the changes that are offered, the most plausible first, take something sure off the simulated position's
     /// error, taken up one after the other: those that promise something are fitted, and each time that stands with which it comes
-    /// nearest along the command of the other recording beside what there is already, of what takes off as much the most plausible. What both
-    /// recordings do not tell from it is its equal. Many values always follow the recording better that they are fitted to: that
-    /// tells nothing. In the end each has to take something off beside all others.
+    /// nearest along the command of the other recording beside what there is already, of what takes off as much the most
+    /// plausible. What both recordings do not tell from it is its equal. Many values always follow the recording better that they
+    /// are fitted to: that tells nothing. In the end each has to take something off beside all others.
     ///
     /// # Errors
     /// If the twin cannot be fitted or simulated.
@@ -258,7 +258,7 @@ impl Sieve<'_> {
         Ok(others.iter().zip(are_equal).filter(|(_, is)| *is).map(|(p, _)| p.index).collect())
     }
 
-    /// Those that leave least of both recordings where a fit of them begins first.
+    /// Those that leave least of both recordings where a fit of them begins come first.
     fn promise_of_both<'a>(
         &self,
         all: Vec<&'a Promising>,

@@ -402,6 +402,16 @@ fn open_values_are_those_of_the_recording_it_is_held_against() {
     assert!(lacks > 0.5 * left(&soft, &[]), "{lacks}");
 }
 
+#[test]
+fn a_joint_that_stands_has_the_encoder_of_the_other_recording() {
+    let (_, mut moves) = by_rapier(SERVOS);
+    let mut stands = moves.clone();
+    (moves.resolution, stands.resolution) = (vec![1e-3; 6], vec![1e-3; 6]);
+    (moves.resolution[4], stands.resolution[1]) = (0.0, 0.0);
+    let both = Track::of_one_arm([stands, moves]).map(|track| track.resolution);
+    assert_eq!(both, [vec![1e-3; 6], vec![1e-3; 6]]);
+}
+
 /// What stops an arm for a moment is not simulated: the value that meets the rest of the recording best counts least.
 #[test]
 fn a_stop_of_the_arm_does_not_decide_a_value() {
@@ -412,9 +422,9 @@ fn a_stop_of_the_arm_does_not_decide_a_value() {
     let mut free = free_parameters(&twin, &["servo_gain".to_string()]).unwrap();
     free.retain(|f| f.joint == Some(1));
     let tracks = [&track];
-    let best = |by_size: bool| {
+    let best = |is_robust: bool| {
         let mut problem = Problem::new(&twin, &tracks, &free, 2.0);
-        problem.by_size = by_size;
+        problem.is_robust = is_robust;
         let errors = problem.errors(&[0.25]);
         weigh(&mut problem, &errors);
         let counts = |x: f64| -> f64 {
@@ -425,8 +435,8 @@ fn a_stop_of_the_arm_does_not_decide_a_value() {
         let values = (0..=20).map(|i| -0.25 + 0.05 * f64::from(i));
         values.min_by(|a, b| counts(*a).total_cmp(&counts(*b))).unwrap()
     };
-    let [by_size, by_square] = [best(true), best(false)];
-    assert!((by_size - 0.25).abs() < 0.06, "{by_size}");
+    let [robust, by_square] = [best(true), best(false)];
+    assert!((robust - 0.25).abs() < 0.06, "{robust}");
     assert!((by_square - 0.25).abs() > 0.09, "{by_square}");
 }
 

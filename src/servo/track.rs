@@ -53,6 +53,16 @@ impl Track {
         })
     }
 
+    /// Two recordings of one arm, whose encoders are the same: where a joint stands still a recording does not tell their step,
+    /// and the other may.
+    pub fn of_one_arm([mut a, mut b]: [Self; 2]) -> [Self; 2] {
+        for (one, other) in a.resolution.iter_mut().zip(&mut b.resolution) {
+            let step = one.max(*other);
+            (*one, *other) = (step, step);
+        }
+        [a, b]
+    }
+
     pub fn joints(&self) -> usize {
         self.q.joints()
     }

@@ -3,19 +3,18 @@
 //! What a twin leaves open is what that recording says of it, with a change and without, as by torque: gears that are warmer
 //! have less friction, and one motion hardly tells how a joint brakes at the speeds of another. Values of changes stay as they are.
 
-use super::fit::weigh;
+use super::fit::{ABOUT, Search, minimised, starts, weigh};
 use super::parameters::{Free, with_values};
 use super::problem::Problem;
 use super::sizes::Sizes;
 use super::{ServoError, Settings, Track, free_parameters};
-use crate::identification::levenberg_marquardt::{self as minimiser, Residuals};
+use crate::identification::levenberg_marquardt::Residuals;
 use crate::regression::bounds::Bounds;
 use crate::twin::Twin;
 
-/// Simulations of a twin with other open values, at most: columns are those of a twin nearby, so that a step or two do.
+/// Simulations of a twin with other open values, at most: columns are those of a twin nearby, so that a step or two do, and more
+/// of them bring it no nearer.
 const STEPS: usize = 5;
-/// Relative change of what errors count below which open values are told well enough to compare what is left.
-const ABOUT: f64 = 1e-3;
 
 /// A recording that twins are held against.
 pub struct Yardstick<'a> {
@@ -63,27 +62,16 @@ impl<'a> Yardstick<'a> {
         }
         let free = free_parameters(twin, &self.open)?;
         let free: Vec<Free> = free.into_iter().map(|f| f.near_start(twin)).collect();
-        let x = starts(&free);
         let tracks = [self.track];
         let mut problem = Problem::new(twin, &tracks, &free, Settings::default().horizon_s);
-        let errors = problem.errors(&x);
+        let errors = problem.errors(&starts(&free));
         if errors.iter().any(|e| !e.is_finite()) {
             return Ok(twin.clone());
         }
-        problem.counts_independent = true;
-        problem.by_size = true;
+        (problem.counts_independent, problem.is_robust) = (true, true);
         weigh(&mut problem, &errors);
-        let range = |end: fn(&Free) -> f64| free.iter().map(end).collect();
-        let bounds = Bounds::new(range(|f| f.min), range(|f| f.max))
-            .unwrap_or_else(|_| Bounds::unbounded(free.len()));
-        let settings = minimiser::Settings {
-            cost_tolerance: ABOUT,
-            step_tolerance: ABOUT,
-            max_evaluations: STEPS,
-            ..minimiser::Settings::default()
-        };
         let chord = Chord { problem, columns: &self.columns };
-        let found = minimiser::minimise(&chord, &x, &bounds, &settings);
+        let found = minimised(&chord, &free, Search::new(&free), (ABOUT, STEPS));
         Ok(with_values(twin, &free, &found.x))
     }
 }
@@ -106,8 +94,4 @@ impl Residuals for Chord<'_> {
     fn jacobian(&self, _: &[f64], r: &[f64], _: &Bounds) -> Vec<Vec<f64>> {
         self.problem.counted_columns(self.columns.to_vec(), r)
     }
-}
-
-fn starts(free: &[Free]) -> Vec<f64> {
-    free.iter().map(|f| f.start).collect()
 }

@@ -18,9 +18,10 @@ pub fn page(d: &Diagnosis) -> String {
         mrad(position.after_rad),
         table(&head, 1, position.joints.iter().map(joint))
     );
-    let [before, after] = [position.own_open.before_rad, position.own_open.after_rad].map(mrad);
+    let refitted = position.open_refitted;
+    let [before, after] = [refitted.before_rad, refitted.after_rad].map(mrad);
     text += &format!(
-        "mean size, with what the twin leaves open as this recording has it: {before} -> {after} mrad\n"
+        "mean size, what the twin leaves open fitted to this recording: {before} -> {after} mrad\n"
     );
     for cause in &position.causes {
         let (effect, place) = (&cause.effect, words::place(&cause.joints));

@@ -28,7 +28,7 @@ fn a_tangent_is_what_differences_between_simulations_have() {
     let tracks = [&track];
     let mut problem = Problem::new(&twin, &tracks, &free, 2.0);
     // Errors that count partly by their size.
-    (problem.by_size, problem.with_priors) = (true, false);
+    (problem.is_robust, problem.with_priors) = (true, false);
     problem.weights.fill(1e4);
     let x: Vec<f64> = free.iter().map(|f| f.start).collect();
     let bounds = Bounds::unbounded(x.len());
