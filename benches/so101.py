@@ -22,6 +22,7 @@ ROOT = Path(__file__).resolve().parents[1]
 ARMTWIN = os.environ.get('ARMTWIN', str(ROOT / 'target/release/armtwin'))
 TWIN = """robot = "{robot}"
 tip = "moving_jaw_so101_v1_link"
+flange = "gripper_frame_link"
 [drive]
 rotor_inertia = 0.028
 [servo]
@@ -119,7 +120,7 @@ def pairs(arm):
     for (fit, check), found in answers.items():
         position = found['position']
         said = '; '.join(f'{names(c)} ({100 * c["probability"]:.0f} %)' for c in found['causes'])
-        sizes = [mrad(at[k]) for at in (position['open_refitted'], position) for k in ('before_rad', 'after_rad')]
+        sizes = [mrad(at[k]) for at in (position['cross_validated'], position) for k in ('before_rad', 'after_rad')]
         rows.append([fit, check, *sizes, said or 'none', f'{found["seconds"]:.0f}'])
         joints.append([f'{fit}, {check}', *(f'{mrad(j["before_rad"])}, {mrad(j["after_rad"])}'
                                             for j in position['joints'])])

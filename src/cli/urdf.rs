@@ -17,7 +17,7 @@ and written in the same form: the revolute and continuous joints from base to ti
 them otherwise (tools, grippers, cameras) is joined to its link, with its joints held at zero. Gravity is
 along -z of the root link. What was assumed, because the file does not say or says it wrongly, is said
 on standard error and in --json. A twin, a scenario and the [bag] table of a column map have the keys
-robot, base and tip for the same.")]
+robot, base and tip for the same, twins and scenarios flange as well.")]
 pub struct Args {
     /// Built-in name, or a URDF file to check and normalise
     #[arg(long, default_value = "ur5", value_name = "NAME")]
@@ -28,6 +28,9 @@ pub struct Args {
     /// The link at which the arm ends [default: the end of the longest chain]
     #[arg(long, value_name = "LINK")]
     tip: Option<String>,
+    /// The link that loads are bolted to, if more of the arm moves beyond it, as a gripper's jaw does [default: the tip]
+    #[arg(long, value_name = "LINK")]
+    flange: Option<String>,
     /// File to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     out: Option<Output>,
@@ -68,7 +71,8 @@ struct Moved<'a> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let chain = Chain { base: args.base.clone(), tip: args.tip.clone() };
+    let (base, tip, flange) = (args.base.clone(), args.tip.clone(), args.flange.clone());
+    let chain = Chain { base, tip, flange };
     let loaded = robot::load(&args.robot, &chain)?;
     out::notes(&args.robot, &loaded.notes);
     save::page(args.out.as_deref(), &urdf::write(&loaded.robot))?;

@@ -33,21 +33,21 @@ pub struct Position {
     pub after_rad: f64,
     /// 1 - after^2 / before^2.
     pub fraction: f64,
-    pub open_refitted: OpenRefitted,
+    pub cross_validated: CrossValidated,
     pub joints: Vec<JointPositionShrink>,
     /// What each cause takes off when it is added to all the others.
     pub causes: Vec<PositionShrink>,
 }
 
-/// Mean size of the position error over all joints on the check recording, what the twin leaves open fitted to that recording:
-/// what causes are decided by.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct OpenRefitted {
+/// Mean size of the position error over all joints of both recordings, of twins that were fitted to every other stretch of both,
+/// in the stretches between, which tell what the twin leaves open (cross-validation): what causes are decided by.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct CrossValidated {
     pub before_rad: f64,
     pub after_rad: f64,
 }
 
-impl OpenRefitted {
+impl CrossValidated {
     /// Share of the size that is taken off.
     pub fn fraction(&self) -> f64 {
         if self.before_rad > 0.0 { 1.0 - self.after_rad / self.before_rad } else { 0.0 }

@@ -1,7 +1,7 @@
 //! A diagnosis in sentences.
 
 use super::{
-    Cause, Diagnosis, Episode, OpenRefitted, Position, Touch, UnexplainedJoint, Value, Verdict,
+    Cause, CrossValidated, Diagnosis, Episode, Position, Touch, UnexplainedJoint, Value, Verdict,
 };
 use crate::numbers::digits;
 
@@ -74,7 +74,7 @@ const WORSE: &str = "what is found on one recording makes the other worse; the a
 
 fn explained(d: &Diagnosis) -> String {
     if let Some(position) = &d.position {
-        let share = percent(position.open_refitted.fraction());
+        let share = percent(position.cross_validated.fraction());
         return format!("{share} of the position error is explained: t");
     }
     if is_worse(d) {
@@ -132,13 +132,13 @@ fn torque_shrinks(d: &Diagnosis) -> String {
 
 /// What causes of position servos are decided by, and how well the mended twin predicts as it is.
 fn position_shrinks(position: &Position) -> String {
-    let OpenRefitted { before_rad, after_rad } = position.open_refitted;
+    let CrossValidated { before_rad, after_rad } = position.cross_validated;
     let goes = if position.after_rad > position.before_rad { "grows" } else { "shrinks" };
     let [before, after, rms_before, rms_after] =
         [before_rad, after_rad, position.before_rad, position.after_rad].map(|rad| 1e3 * rad);
     format!(
-        "The position error on a recording that was not searched shrinks from {before:.2} to {after:.2} mrad (mean size) \
-         where that recording tells what the twin leaves open; predicted without it, it {goes} from {rms_before:.2} to \
+        "The position error in stretches that were not fitted shrinks from {before:.2} to {after:.2} mrad (mean size, both \
+         recordings); the check recording, predicted by a fit to the other alone: it {goes} from {rms_before:.2} to \
          {rms_after:.2} mrad (rms)."
     )
 }

@@ -35,8 +35,6 @@ impl Flange {
 /// N.m at every joint (columns) per N on the flange along x, y, z of the base (rows): -J', as the drive
 /// supplies what balances the force.
 pub fn torque_per_force(robot: &Robot, q: &[f64]) -> Matrix3xX<f64> {
-    match robot.dof() {
-        0 => Matrix3xX::zeros(0),
-        dof => -point_jacobian(robot, q, dof - 1, &robot.flange.translation).fixed_rows::<3>(0),
-    }
+    let Some(carrier) = robot.carrier() else { return Matrix3xX::zeros(0) };
+    -point_jacobian(robot, q, carrier, &robot.flange.translation).fixed_rows::<3>(0)
 }

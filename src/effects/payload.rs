@@ -100,9 +100,9 @@ impl Effect for Payload {
 
     fn reach(&self, motion: &Motion<'_>, _: usize, reference: &[f64]) -> Vec<JointSeries> {
         let robot = motion.robot;
-        let Some(last) = robot.dof().checked_sub(1) else { return vec![] };
-        let body = motion.regressor(last);
-        let combine = |p: [f64; 10]| torque_of_change(&body, &p, last);
+        let Some(carrier) = robot.carrier() else { return vec![] };
+        let body = motion.regressor(carrier);
+        let combine = |p: [f64; 10]| torque_of_change(&body, &p, carrier);
         let reference = Vector3::from_column_slice(&reference[..3]);
         let point = flange_parameters(&robot.flange, reference);
         point.into_iter().chain(rotational(&robot.flange)).map(combine).collect()

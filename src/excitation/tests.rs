@@ -174,6 +174,7 @@ fn two_joints() -> Twin {
         bodies: (0..2).map(body).collect(),
         gravity: Vector3::new(0.0, 0.0, -9.81),
         flange: Placement { translation: Vector3::x(), ..Placement::identity() },
+        flange_on: None,
     };
     let drive = Drive::new(vec![1.0; 2], vec![1.0; 2]);
     Twin { source: "two".into(), robot, drive, effects: vec![], ..Twin::default() }

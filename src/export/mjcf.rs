@@ -90,7 +90,7 @@ fn body(plan: &Plan, i: usize, depth: usize, out: &mut String) {
     *out += &joint(robot, i, &plan.joints[i], &pad);
     let Shape { hub, tubes } = visual::body(robot, i);
     hub.iter().chain(&tubes).for_each(|c| *out += &geom(c, depth + 1));
-    if i + 1 == robot.dof() {
+    if robot.carrier() == Some(i) {
         *out += &flange(&robot.flange, plan.payload.as_ref(), &pad);
     }
     let children = (0..robot.dof()).filter(|c| robot.bodies[*c].parent == Some(i));

@@ -144,7 +144,8 @@ fn load(twin: &Twin) -> Option<Inertia> {
     bare.robot.bodies.iter_mut().for_each(|b| b.inertia = Inertia::zero());
     let effect = twin.known().find(|e| e.about().name == "payload")?;
     effect.build(&twin.values_at(effect, 0)?, 0, &mut bare);
-    bare.robot.bodies.last().map(|b| b.inertia).filter(|i| i.mass > 0.0)
+    let carrier = bare.robot.carrier()?;
+    bare.robot.bodies.get(carrier).map(|b| b.inertia).filter(|i| i.mass > 0.0)
 }
 
 fn left(twin: &Twin) -> Vec<Left> {

@@ -110,7 +110,7 @@ const G: f64 = 9.81;
 pub fn contacts(input: &Residual<'_>, criteria: &Criteria, watch: &dyn Watch) -> Vec<Contact> {
     let mut all = places(input.robot);
     if criteria.at_flange {
-        all.retain(|place| place.link + 1 == input.robot.dof());
+        all.retain(|place| Some(place.link) == input.robot.carrier());
     }
     let pieces: Vec<Vec<usize>> = crate::signals::runs(input.usable)
         .into_iter()

@@ -47,7 +47,7 @@ pub fn places(robot: &Robot) -> Vec<Place> {
 fn end(robot: &Robot, link: usize) -> Vector3<f64> {
     let children: Vec<_> = robot.bodies.iter().filter(|b| b.parent == Some(link)).collect();
     match &children[..] {
-        [] if link + 1 == robot.dof() => robot.flange.translation,
+        [] if robot.carrier() == Some(link) => robot.flange.translation,
         [child] => child.joint.placement.translation,
         _ => robot.bodies[link].inertia.com,
     }

@@ -27,6 +27,7 @@ fn arm() -> Robot {
         bodies: (0..6).map(body).collect(),
         gravity: Vector3::new(0.0, 0.0, -9.81),
         flange: Placement::identity(),
+        flange_on: None,
     }
 }
 

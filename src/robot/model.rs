@@ -12,8 +12,11 @@ pub struct Robot {
     pub bodies: Vec<Body>,
     /// Gravitational acceleration in the base frame, m/s^2.
     pub gravity: Vector3<f64>,
-    /// The flange (tool0) seen from the last body's frame, for payloads and Cartesian paths.
+    /// The flange (tool0) seen from the frame of the body that carries it, for payloads and Cartesian paths.
     pub flange: Placement,
+    /// That body, where it is not the last: a gripper's jaw moves beyond the flange.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flange_on: Option<usize>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -163,13 +166,18 @@ impl Robot {
         offsets.sum::<f64>() + self.flange.translation.norm()
     }
 
+    /// The body that carries the flange; none in an arm without bodies.
+    pub fn carrier(&self) -> Option<usize> {
+        self.flange_on.or(self.dof().checked_sub(1))
+    }
+
     /// The arm with a load bolted to its flange: mass in kg, centre of mass in m and inertia about
     /// it in kg.m2, both in the flange's frame.
     pub fn with_payload(&self, mass: f64, com: Vector3<f64>, about_com: Matrix3<f64>) -> Self {
         let load = Inertia { mass, com, about_com }.seen_from(&self.flange);
         let mut robot = self.clone();
-        if let Some(last) = robot.bodies.last_mut() {
-            last.inertia = last.inertia.joined_with(&load);
+        if let Some(carrier) = self.carrier().and_then(|i| robot.bodies.get_mut(i)) {
+            carrier.inertia = carrier.inertia.joined_with(&load);
         }
         robot
     }

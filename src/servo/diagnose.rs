@@ -7,12 +7,12 @@
 //! fitted by simulation, too.
 
 use super::fit::Fit;
+use super::folds::{Folds, Halved};
 use super::judge::prove;
 use super::refit::Refits;
 use super::sift::{Sieve, Sifted};
-use super::yardstick::Yardstick;
 use super::{Free, ServoError, Settings, Track, free_parameters, linearised};
-use crate::diagnosis::{self, Diagnosis, Offer, Traces, diagnose_proved};
+use crate::diagnosis::{self, CrossValidated, Diagnosis, Offer, Traces, diagnose_proved};
 use crate::follow::Watch;
 use crate::series::JointSeries;
 use crate::signals::Samples;
@@ -48,28 +48,32 @@ pub fn diagnose(
     watch: &dyn Watch,
 ) -> Result<Found, ServoError> {
     let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
-    let [fit_track, check_track] =
-        Track::of_one_arm([Track::new(fit, servo)?, Track::new(check, servo)?]);
+    let both = Track::of_one_arm([Track::new(fit, servo)?, Track::new(check, servo)?]);
+    let [fit_track, check_track] = &both;
     watch.tell("fitting what the twin leaves open", 0, 0);
-    let refits = Refits::new(twin, &fit_track, watch)?;
-    let near = following(&refits.before.twin, &fit_track, watch)?;
+    let refits = Refits::new(twin, vec![fit_track], watch)?;
+    let near = following(&refits.before.twin, fit_track, watch)?;
     let horizon_s = Settings::default().horizon_s;
     let [seen_fit, seen_check] = [fit, check].map(|s| linearised(&near, s, horizon_s));
-    let yardstick = |track| Yardstick::new(&refits.before.twin, refits.open(), track);
-    let (fit_yardstick, check_yardstick) = (yardstick(&fit_track)?, yardstick(&check_track)?);
+    let halved = Halved::new(both.clone());
+    let folds = Folds::new(twin, &halved, watch)?;
+    let mut decided = CrossValidated::default();
     let (mut after, mut taken) = (refits.before.clone(), Vec::new());
     let mut proof = |offers: &[Offer]| {
-        let sieve = Sieve { refits: &refits, both: [&fit_yardstick, &check_yardstick], settings };
-        let Sifted { stand, mended, .. } = sieve.sift(offers)?;
+        let sieve = Sieve { folds: &folds, settings };
+        let Sifted { stand, mended, left, before } = sieve.sift(offers)?;
         taken = stand.iter().map(|s| offers[s.index].change.clone()).collect();
-        after = mended;
+        (decided.before_rad, decided.after_rad) = (before.mean_rad(), left.mean_rad());
+        if !taken.is_empty() {
+            after = refits.all(&mended[0], &taken)?;
+        }
         Ok(stand)
     };
     watch.tell(diagnosis::SEARCHING, 0, 0);
     let (mut diagnosis, traces) =
         diagnose_proved(twin, &seen_fit?, &seen_check?, settings, &mut proof, watch)?;
-    let simulated =
-        prove(&mut diagnosis, twin, [&refits.before, &after], &taken, &check_yardstick)?;
+    let held = (check_track, decided);
+    let simulated = prove(&mut diagnosis, twin, [&refits.before, &after], &taken, held)?;
     Ok(Found { diagnosis, traces, simulated })
 }
 

@@ -7,10 +7,9 @@ use rayon::prelude::*;
 
 use super::parameters::stated;
 use super::refit::{Refitted, taken_out};
-use super::yardstick::Yardstick;
-use super::{Estimate, PositionGap, ServoError, replay};
+use super::{Estimate, PositionGap, ServoError, Track, replay};
 use crate::diagnosis::{
-    By, Cause, Change, Diagnosis, JointPositionShrink, OpenRefitted, Position, PositionShrink,
+    By, Cause, Change, CrossValidated, Diagnosis, JointPositionShrink, Position, PositionShrink,
     SimulationShrink, Value, Verdict,
 };
 use crate::effects::{Size, find};
@@ -28,7 +27,7 @@ pub fn prove(
     twin: &Twin,
     [before, after]: [&Refitted; 2],
     changes: &[Change],
-    check: &Yardstick<'_>,
+    (track, decided): (&Track, CrossValidated),
 ) -> Result<Vec<JointSeries>, ServoError> {
     keep_open(&mut diagnosis.fitted_before, twin, &before.twin);
     keep_open(&mut diagnosis.fitted, twin, &after.twin);
@@ -38,7 +37,6 @@ pub fn prove(
     diagnosis.causes.sort_by_key(|cause| changes.iter().position(|c| is_of(c, cause)));
     diagnosis.causes.iter_mut().for_each(|cause| keep_cause(cause, twin, &after.estimates));
     diagnosis.verdict = Verdict::of(&diagnosis.causes, &diagnosis.unexplained, &diagnosis.ranking);
-    let track = check.track;
     let stretches = track.stretches(f64::INFINITY);
     let of = |twin: &Twin| replay(twin, track, &stretches);
     let (q_before, q_after) = rayon::join(|| of(&before.twin), || of(&after.twin));
@@ -53,10 +51,7 @@ pub fn prove(
         Ok(PositionShrink { effect, joints, before_rad, after_rad: rms, fraction })
     };
     let causes = diagnosis.causes.par_iter().map(without).collect::<Result<_, _>>()?;
-    let [before, after] = [before, after].map(|r| check.left(&r.twin));
-    let open_refitted =
-        OpenRefitted { before_rad: before?.mean_rad(), after_rad: after?.mean_rad() };
-    put(diagnosis, &gaps, open_refitted, causes);
+    put(diagnosis, &gaps, decided, causes);
     Ok(vec![q_before, q_after])
 }
 
@@ -108,7 +103,7 @@ fn shift(value: &mut Value, by: f64) {
 fn put(
     diagnosis: &mut Diagnosis,
     [before, after]: &[PositionGap; 2],
-    open_refitted: OpenRefitted,
+    cross_validated: CrossValidated,
     causes: Vec<PositionShrink>,
 ) {
     let joint = |(b, a): (&super::JointPosition, &super::JointPosition)| JointPositionShrink {
@@ -129,7 +124,7 @@ fn put(
     diagnosis.shrink.simulation =
         Some(SimulationShrink { before_rad, after_rad, fraction, ..SimulationShrink::default() });
     diagnosis.position =
-        Some(Position { before_rad, after_rad, fraction, open_refitted, joints, causes });
+        Some(Position { before_rad, after_rad, fraction, cross_validated, joints, causes });
 }
 
 /// Share of a mean square that is taken off between two root mean squares.

@@ -1,7 +1,6 @@
-//! Values of changes, fitted by simulation to one recording.
+//! Values of changes, fitted by simulation to recordings.
 
 use super::fit::{Fit, told};
-use super::sizes::Sizes;
 use super::{Estimate, Free, ServoError, Settings, Track, free_parameters, identify};
 use crate::diagnosis::Change;
 use crate::effects::{Effect, Role, Scope, find};
@@ -18,10 +17,10 @@ pub struct Refitted {
     pub estimates: Vec<Estimate>,
 }
 
-/// Fits to one recording, beginning with the twin as given, its open values fitted.
+/// Fits to recordings together, beginning with the twin as given, its open values fitted.
 pub struct Refits<'a> {
     twin: &'a Twin,
-    pub fit: &'a Track,
+    pub tracks: Vec<&'a Track>,
     /// Who follows the fits.
     pub watch: &'a dyn Watch,
     pub before: Refitted,
@@ -30,12 +29,16 @@ pub struct Refits<'a> {
 impl<'a> Refits<'a> {
     /// # Errors
     /// As [`identify`].
-    pub fn new(twin: &'a Twin, fit: &'a Track, watch: &'a dyn Watch) -> Result<Self, ServoError> {
+    pub fn new(
+        twin: &'a Twin,
+        tracks: Vec<&'a Track>,
+        watch: &'a dyn Watch,
+    ) -> Result<Self, ServoError> {
         let before = Refitted { twin: twin.clone(), estimates: Vec::new() };
-        let mut refits = Self { twin, fit, watch, before };
+        let mut refits = Self { twin, tracks, watch, before };
         let free = refits.free(twin, &[])?;
         if !free.is_empty() {
-            let fitted = identify(twin, &[fit], &free, &Settings::default(), watch)?.twin;
+            let fitted = identify(twin, &refits.tracks, &free, &Settings::default(), watch)?.twin;
             refits.before = refits.all(&fitted, &[])?;
         }
         Ok(refits)
@@ -55,7 +58,7 @@ impl<'a> Refits<'a> {
         if own.is_empty() {
             return Ok(start.clone());
         }
-        match Fit::FromFar.of(start, &[self.fit], &own, self.watch) {
+        match Fit::FromFar.of(start, &self.tracks, &own, self.watch) {
             Err(ServoError::Diverged { .. }) => Ok(start.clone()),
             fitted => fitted,
         }
@@ -91,31 +94,20 @@ impl<'a> Refits<'a> {
         self.about([&start, &self.before.twin], &others, None)
     }
 
-    /// Values to be compared: from `start` at once, and from where short stretches lead from there (or from `other`, where the
-    /// twin runs away from `start`); the nearer to the recording of both. A few stops of the arm lead short stretches astray,
-    /// long ones stay where they are far from what is sought.
+    /// Values to be compared, from `start`; where the twin runs away from there, from where short stretches lead from `other`.
     fn about(
         &self,
         [start, other]: [&Twin; 2],
         changes: &[Change],
         around: Option<&Change>,
     ) -> Result<Twin, ServoError> {
-        let far = match self.fitted(Fit::FromFar, start, changes, around) {
-            Err(ServoError::Diverged { .. }) => self.fitted(Fit::FromFar, other, changes, around),
-            fitted => fitted,
-        };
-        let far = self.fitted(Fit::About, &far?, changes, around)?;
-        let near = match self.fitted(Fit::About, start, changes, around) {
-            Err(ServoError::Diverged { .. }) => return Ok(far),
-            near => near?,
-        };
-        let [by_near, by_far] = [&near, &far].map(|twin| self.left(twin));
-        Ok(if by_near?.ln() < by_far?.ln() { near } else { far })
-    }
-
-    /// What a twin leaves of the recording.
-    fn left(&self, twin: &Twin) -> Result<Sizes, ServoError> {
-        Sizes::along(self.fit, twin, Settings::default().horizon_s)
+        match self.fitted(Fit::About, start, changes, around) {
+            Err(ServoError::Diverged { .. }) => {
+                let far = self.fitted(Fit::FromFar, other, changes, around)?;
+                self.fitted(Fit::About, &far, changes, around)
+            }
+            near => near,
+        }
     }
 
     /// `near` with the values of what the twin leaves open, and of the changes, fitted.
@@ -123,7 +115,15 @@ impl<'a> Refits<'a> {
     /// # Errors
     /// As [`identify`].
     pub fn all(&self, near: &Twin, changes: &[Change]) -> Result<Refitted, ServoError> {
-        self.as_is(&self.fitted(Fit::Close, near, changes, None)?, changes)
+        self.as_is(&self.close(near, changes)?, changes)
+    }
+
+    /// The same, without what the recordings say of the values.
+    ///
+    /// # Errors
+    /// As [`identify`].
+    pub fn close(&self, near: &Twin, changes: &[Change]) -> Result<Twin, ServoError> {
+        self.fitted(Fit::Close, near, changes, None)
     }
 
     /// A twin with changes as it is, and what the recording says of its values.
@@ -136,7 +136,7 @@ impl<'a> Refits<'a> {
             return Ok(Refitted { twin: twin.clone(), estimates: Vec::new() });
         }
         let settings = Settings { level: LEVEL, ..Settings::default() };
-        let estimates = told(twin, &[self.fit], &free, &settings)?;
+        let estimates = told(twin, &self.tracks, &free, &settings)?;
         Ok(Refitted { twin: twin.clone(), estimates })
     }
 
@@ -164,7 +164,7 @@ impl<'a> Refits<'a> {
             // Nothing that can be written is as stiff as what does not give way.
             null => null.is_infinite(),
         };
-        let estimates = told(fitted, &[self.fit], &free, &settings)?;
+        let estimates = told(fitted, &self.tracks, &free, &settings)?;
         Ok(free.iter().zip(&estimates).any(tells))
     }
 
@@ -176,26 +176,12 @@ impl<'a> Refits<'a> {
         changes: &[Change],
         around: Option<&Change>,
     ) -> Result<Twin, ServoError> {
-        self.fitted_to(&[self.fit], by, start, (changes, around))
-    }
-
-    /// The same to several recordings together.
-    ///
-    /// # Errors
-    /// As [`identify`].
-    pub fn fitted_to(
-        &self,
-        tracks: &[&Track],
-        by: Fit,
-        start: &Twin,
-        (changes, around): (&[Change], Option<&Change>),
-    ) -> Result<Twin, ServoError> {
         let mut free = self.free(start, changes)?;
         free.retain(|f| around.is_none_or(|change| is_near(f, change)));
         if free.is_empty() {
             return Ok(start.clone());
         }
-        by.of(start, tracks, &free, self.watch)
+        by.of(start, &self.tracks, &free, self.watch)
     }
 
     /// Effects whose values the twin, as given, leaves open.
@@ -255,7 +241,7 @@ impl<'a> Refits<'a> {
 /// # Errors
 /// As [`identify`].
 pub fn open_fitted(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, ServoError> {
-    Ok(Refits::new(twin, fit, watch)?.before.twin)
+    Ok(Refits::new(twin, vec![fit], watch)?.before.twin)
 }
 
 /// Has a change that was fitted a value at the end of its range?

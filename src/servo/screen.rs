@@ -19,12 +19,6 @@ use crate::regression::bounded;
 use crate::regression::bounds::Bounds;
 use crate::twin::Twin;
 
-/// Where fits of a twin with changes begin, and of each change beside them.
-pub struct Starts {
-    pub without: Twin,
-    pub with: Vec<Start>,
-}
-
 /// Where a fit begins.
 pub struct Start {
     pub twin: Twin,
@@ -69,7 +63,7 @@ pub fn starts(
     refits: &Refits<'_>,
     (twin, changes): (&Twin, &[Change]),
     others: &[Other<'_>],
-) -> Result<Starts, ServoError> {
+) -> Result<Vec<Start>, ServoError> {
     let varied = |twin: &Twin| -> Result<Vec<Varied>, ServoError> {
         others.par_iter().map(|other| absent(refits, twin, changes, other.change)).collect()
     };
@@ -79,8 +73,8 @@ pub fn starts(
     let has_tangent: Vec<bool> = own.par_iter().map(Varied::has_tangent).collect();
     let with_tangent = own.iter().zip(&has_tangent).filter(|(_, has)| **has).map(|(v, _)| v);
     let with_tangent: Vec<&Varied> = with_tangent.collect();
-    let linear = Linear::new(refits.fit, shared, &with_tangent);
-    let solved = linear.as_ref().map(|linear| linear.solved(&with_tangent));
+    let linear = Linear::new(&refits.tracks, shared, &with_tangent);
+    let solved = linear.map(|linear| linear.solved(&with_tangent));
     let mut solved = solved.unwrap_or_default().into_iter();
     let told = has_tangent.iter().map(|has| if *has { solved.next() } else { None });
     let told: Vec<Option<Twin>> = told.collect();
@@ -92,9 +86,7 @@ pub fn starts(
         let has_tangent = told.is_some();
         Ok(Start { twin: told.map_or_else(|| fitted(other), Ok)?, has_tangent })
     };
-    let with = told.into_par_iter().zip(others).map(start).collect::<Result<_, _>>()?;
-    let without = linear.map_or_else(|| twin.clone(), |linear| linear.without(twin));
-    Ok(Starts { without, with })
+    told.into_par_iter().zip(others).map(start).collect()
 }
 
 /// `twin` with a change as a search has it.
@@ -157,7 +149,20 @@ impl Varied {
 
 impl Along {
     /// `None` where the arm has no tangent or runs away.
-    fn new(track: &Track, horizon_s: f64, all: &[&Varied]) -> Option<Self> {
+    fn new(tracks: &[&Track], horizon_s: f64, all: &[&Varied]) -> Option<Self> {
+        let each = tracks.iter().map(|track| Self::rows(track, horizon_s, all));
+        let rows = each.collect::<Option<Vec<_>>>()?.concat();
+        let dof = tracks.first()?.joints();
+        let samples = rows.len() / dof;
+        let at = |row: usize| &rows[row % samples * dof + row / samples];
+        let errors = DVector::from_fn(rows.len(), |row, _| at(row)[0]);
+        let values = rows.first()?.len() - 1;
+        let columns = DMatrix::from_fn(rows.len(), values, |row, i| at(row)[1 + i]);
+        columns.iter().all(|c| c.is_finite()).then_some(Self { errors, columns })
+    }
+
+    /// Sample by sample and joint by joint: the error, and how it changes with each value.
+    fn rows(track: &Track, horizon_s: f64, all: &[&Varied]) -> Option<Vec<Vec<f64>>> {
         let plant = Plant::new(&all.first()?.twin, track.start).ok()?;
         let moved = all.iter().map(|v| v.moved(track.start)).collect::<Option<Vec<_>>>()?.concat();
         let tangent = Tangent::new(plant, &moved)?;
@@ -176,24 +181,17 @@ impl Along {
             .ok()?;
             Some(rows)
         };
-        let rows: Vec<Vec<f64>> =
-            stretches.par_iter().map(of).collect::<Option<Vec<_>>>()?.concat();
-        let (dof, samples) = (track.joints(), rows.len() / track.joints());
-        let at = |row: usize| &rows[row % samples * dof + row / samples];
-        let errors = DVector::from_fn(rows.len(), |row, _| at(row)[0]);
-        let columns = DMatrix::from_fn(rows.len(), moved.len(), |row, i| at(row)[1 + i]);
-        columns.iter().all(|c| c.is_finite()).then_some(Self { errors, columns })
+        Some(stretches.par_iter().map(of).collect::<Option<Vec<_>>>()?.concat())
     }
 }
 
 impl Linear {
     /// `None` where the arm has no tangent or runs away.
-    fn new(fit: &Track, shared: Varied, own: &[&Varied]) -> Option<Self> {
+    fn new(tracks: &[&Track], shared: Varied, own: &[&Varied]) -> Option<Self> {
         let all: Vec<&Varied> = [&shared].into_iter().chain(own.iter().copied()).collect();
         let horizon_s = Settings::default().horizon_s;
-        let along = Along::new(fit, horizon_s, &all)?;
-        let tracks = [fit];
-        let mut problem = Problem::new(&shared.twin, &tracks, &shared.free, horizon_s);
+        let along = Along::new(tracks, horizon_s, &all)?;
+        let mut problem = Problem::new(&shared.twin, tracks, &shared.free, horizon_s);
         problem.counts_independent = true;
         problem.is_robust = true;
         weigh(&mut problem, along.errors.as_slice());
@@ -207,35 +205,37 @@ impl Linear {
         Some(Self { weights, prior_weight, along, shared })
     }
 
-    /// `twin` with its values where they would meet the recording best.
-    fn without(&self, twin: &Twin) -> Twin {
-        let none = Varied { twin: twin.clone(), free: Vec::new() };
-        self.solved(&[&none]).pop().unwrap_or_else(|| twin.clone())
-    }
-
-    /// Twins with values of their own beside those of all.
+    /// Twins with values of their own beside those of all, which are where they were but for what those change: a further
+    /// fit of what stands is no merit of a change.
     fn solved(&self, own: &[&Varied]) -> Vec<Twin> {
         let mut columns = self.along.columns.clone();
         columns.row_iter_mut().zip(&self.weights).for_each(|(mut row, weight)| row *= *weight);
         let errors =
             DVector::from_fn(columns.nrows(), |i, _| self.weights[i] * self.along.errors[i]);
         let (gram, pull) = (columns.tr_mul(&columns), -columns.tr_mul(&errors));
-        let shared = self.shared.free.len();
-        let mut end = shared;
+        let shared = &self.shared.free;
+        let nearest = |at: &[usize], free: &[Free]| {
+            let gram = DMatrix::from_fn(at.len(), at.len(), |i, k| gram[(at[i], at[k])]);
+            let pull = DVector::from_fn(at.len(), |i, _| pull[at[i]]);
+            self.nearest(free, gram, pull)
+        };
+        let all: Vec<usize> = (0..shared.len()).collect();
+        let without = nearest(&all, shared);
+        let mut end = shared.len();
         let of = |varied: &&Varied| {
             let begin = end;
             end += varied.free.len();
-            let at: Vec<usize> = (0..shared).chain(begin..end).collect();
-            let gram = DMatrix::from_fn(at.len(), at.len(), |i, k| gram[(at[i], at[k])]);
-            let pull = DVector::from_fn(at.len(), |i, _| pull[at[i]]);
-            let nearest = |own: Vec<Free>| {
-                let free: Vec<Free> = self.shared.free.iter().copied().chain(own).collect();
-                let x = self.nearest(&free, gram.clone(), pull.clone());
+            let at: Vec<usize> = all.iter().copied().chain(begin..end).collect();
+            let begun = |own: Vec<Free>| {
+                let free: Vec<Free> = shared.iter().copied().chain(own).collect();
+                let mut x = nearest(&at, &free);
+                let further = x.iter_mut().zip(&without).zip(shared);
+                further.for_each(|((x, w), f)| *x = (f.start + *x - w).clamp(f.min, f.max));
                 with_values(&varied.twin, &free, &x)
             };
-            let first = nearest(varied.free.clone());
+            let first = begun(varied.free.clone());
             // What is expected of a load's moments follows from its mass.
-            nearest(varied.free.iter().map(|f| f.near_start(&first)).collect())
+            begun(varied.free.iter().map(|f| f.near_start(&first)).collect())
         };
         own.iter().map(of).collect()
     }

@@ -7,23 +7,27 @@ use super::{ServoError, Track, replay};
 use crate::diagnosis::{Settings, interval};
 use crate::twin::Twin;
 
-/// Sizes of errors along the command of a recording, in stretches that begin in measured states, each joint, rad; infinite
-/// where the twin runs away.
+/// Sizes of errors along the commands of recordings, rad; infinite where the twin runs away.
 #[derive(Clone)]
 pub struct Sizes {
+    /// Each joint of each recording.
     joints: Vec<Vec<f64>>,
-    /// What rounding alone leaves of each joint, rad.
+    /// Joints of a recording.
+    dof: usize,
+    /// What rounding alone leaves of each, rad.
     rounding: Vec<f64>,
     /// s.
     dt: f64,
 }
 
 impl Sizes {
+    /// Of the samples that count, the twin led along all of the recording.
+    ///
     /// # Errors
     /// If the twin cannot be simulated.
-    pub fn along(track: &Track, twin: &Twin, horizon_s: f64) -> Result<Self, ServoError> {
-        let used: Vec<usize> = (0..track.len()).filter(|&k| track.usable[k]).collect();
-        let joints = match replay(twin, track, &track.stretches(horizon_s)) {
+    pub fn along(track: &Track, counts: &[bool], twin: &Twin) -> Result<Self, ServoError> {
+        let used: Vec<usize> = (0..track.len()).filter(|&k| counts[k]).collect();
+        let joints = match replay(twin, track, &track.stretches(f64::INFINITY)) {
             Ok(q) => {
                 let size = |j: usize, k: usize| (q.joint(j)[k] - track.q.joint(j)[k]).abs();
                 let of = |j: usize| used.iter().map(|&k| size(j, k)).collect();
@@ -35,27 +39,39 @@ impl Sizes {
             Err(other) => return Err(other),
         };
         let rounding = track.resolution.iter().map(|r| r / 12f64.sqrt()).collect();
-        Ok(Self { joints, rounding, dt: track.dt })
+        Ok(Self { joints, dof: track.joints().max(1), rounding, dt: track.dt })
+    }
+
+    /// With errors of other samples of the same recordings.
+    pub fn and(mut self, mut others: Self) -> Self {
+        let both = self.joints.iter_mut().zip(&mut others.joints);
+        both.for_each(|(own, other)| own.append(other));
+        self
+    }
+
+    /// With errors of another recording.
+    pub fn beside(mut self, mut other: Self) -> Self {
+        self.joints.append(&mut other.joints);
+        self.rounding.append(&mut other.rounding);
+        self
     }
 
     /// What is left of each joint, rad, at least its rounding.
-    fn units(&self) -> Vec<f64> {
-        let known = |left: f64| if left.is_finite() { left } else { 0.0 };
-        let of = |(left, least): (f64, &f64)| known(left).max(*least);
+    fn told(&self) -> Vec<f64> {
+        let of = |(left, least): (f64, &f64)| left.max(*least);
         self.means().into_iter().zip(&self.rounding).map(of).collect()
     }
 
     /// How large errors are over all joints, each by the logarithm of its mean, at least its rounding: minus the log-likelihood
     /// of each sample, as errors of unknown scale (Laplace) have it. Infinite where the twin runs away.
     pub fn ln(&self) -> f64 {
-        let of = |(mean, least): (f64, &f64)| mean.max(*least).ln();
-        self.means().into_iter().zip(&self.rounding).map(of).sum()
+        self.told().into_iter().map(f64::ln).sum()
     }
 
     /// Are these errors surely smaller, and by enough, where so many are looked at? Each joint counts in units of what is
     /// left of it.
     pub fn are_nearer(&self, than: &Self, among: usize, settings: &Settings) -> bool {
-        let (before, after) = (than.means(), self.means());
+        let (before, after) = (than.told(), self.told());
         let moves = |means: &[f64]| means.iter().all(|m| m.is_finite());
         if !(moves(&before) && moves(&after)) {
             return moves(&after);
@@ -68,7 +84,7 @@ impl Sizes {
 
     /// Would errors, both finite, shrink along other stretches of this motion?
     fn are_surely_nearer(&self, than: &Self, among: usize, seed: u64) -> bool {
-        let units = self.units();
+        let units = self.told();
         let [b, a] = [than, self].map(|sizes| sizes.summed(&units));
         let [low, _] = interval(among, [&b, &a], self.dt, seed, share);
         low > 0.0
@@ -83,11 +99,14 @@ impl Sizes {
         self.joints.iter().map(|e| e.iter().sum::<f64>() / e.len().max(1) as f64).collect()
     }
 
-    /// Over all joints, sample by sample.
+    /// Over all joints, sample by sample, one recording after the other.
     fn summed(&self, units: &[f64]) -> Vec<f64> {
-        let samples = self.joints.first().map_or(0, Vec::len);
-        let at = |k: usize| self.joints.iter().zip(units).map(|(e, unit)| e[k] / unit).sum();
-        (0..samples).map(at).collect()
+        let of_recording = |(joints, units): (&[Vec<f64>], &[f64])| -> Vec<f64> {
+            let samples = joints.first().map_or(0, Vec::len);
+            let at = |k: usize| joints.iter().zip(units).map(|(e, unit)| e[k] / unit).sum();
+            (0..samples).map(at).collect()
+        };
+        self.joints.chunks(self.dof).zip(units.chunks(self.dof)).flat_map(of_recording).collect()
     }
 }
 
@@ -111,7 +130,7 @@ mod tests {
     fn about(means: [f64; 2]) -> Sizes {
         let swings = |k: usize| 1.0 + 0.5 * (0.7 * k as f64).sin();
         let joints = means.map(|m| (0..3000).map(|k| m * swings(k)).collect());
-        Sizes { joints: joints.to_vec(), rounding: vec![1e-4; 2], dt: 0.01 }
+        Sizes { joints: joints.to_vec(), dof: 2, rounding: vec![1e-4; 2], dt: 0.01 }
     }
 
     fn are_nearer(with: [f64; 2], without: [f64; 2]) -> bool {

@@ -2,17 +2,15 @@
 
 mod columns;
 
-use std::collections::BTreeMap;
-
 use super::fit::weigh;
+use super::folds::{Folds, Halved};
 use super::problem::Problem;
 use super::refit::Refits;
-use super::rivals::{Named, Rivals};
 use super::screen::{Other, starts};
 use super::sift::{Sieve, Sifted};
 use super::yardstick::Yardstick;
 use super::*;
-use crate::diagnosis::{Change, Offer, Stands, Value, changed};
+use crate::diagnosis::{Change, Offer, Stands, Value};
 use crate::identification::levenberg_marquardt::Residuals;
 use crate::signals::{Conditioning, condition};
 use crate::simulation::{Scenario, Simulation};
@@ -261,11 +259,10 @@ fn sifted(scenario: &str, effect: &str, open: &[&str], changes: &[Change]) -> Si
     let (_, check) = by_rapier(&other);
     let mut twin = without(&truth, effect);
     open.iter().for_each(|name| drop(twin.values.remove(*name)));
-    let refits = Refits::new(&twin, &fit, &()).unwrap();
+    let halved = Halved::new([fit, check]);
+    let folds = Folds::new(&twin, &halved, &()).unwrap();
     let settings = crate::diagnosis::Settings::default();
-    let yardstick = |track| Yardstick::new(&refits.before.twin, refits.open(), track).unwrap();
-    let both = [&yardstick(&fit), &yardstick(&check)];
-    let sieve = Sieve { refits: &refits, both, settings: &settings };
+    let sieve = Sieve { folds: &folds, settings: &settings };
     let offer = |change: &Change| Offer { change: change.clone(), among: 1 };
     sieve.sift(&changes.iter().map(offer).collect::<Vec<_>>()).unwrap()
 }
@@ -280,10 +277,10 @@ fn less_damping_of_a_servo_stands_where_friction_would_have_to_push() {
     ];
     let found = sifted(&format!("{SERVOS}{less}"), "servo_damping", &["viscous"], &changes);
     assert_eq!(found.stand, [Stands { index: 1, equals: vec![] }]);
-    let [own, viscous] = ["servo_damping", "viscous"].map(|name| found.mended.twin.values[name][3]);
+    let [own, viscous] = ["servo_damping", "viscous"].map(|name| found.mended[0].values[name][3]);
     assert!((own + viscous + 7.1).abs() < 0.7, "{own} {viscous}");
     // No servo drives itself on.
-    let mut twin = found.mended.twin;
+    let [mut twin, _] = found.mended;
     twin.drive.servo.as_mut().unwrap().damping[3] = 4.0;
     let damping = free_parameters(&twin, &["servo_damping".to_string()]).unwrap();
     assert_eq!(damping[3].min, -4.0);
@@ -303,7 +300,7 @@ fn a_contact_that_lasts_a_while_stands() {
     let found = sifted(&format!("{SERVOS}{push}"), "external_contact", &[], &changes);
     assert_eq!(found.stand, [Stands { index: 1, equals: vec![] }]);
     for (name, wanted) in [("contact_x", 20.0), ("contact_z", -60.0), ("contact_start", 2.5)] {
-        let value = found.mended.twin.values[name][0];
+        let value = found.mended[0].values[name][0];
         assert!((value - wanted).abs() < 5.0, "{name}: {value}");
     }
 }
@@ -321,11 +318,11 @@ fn of_changes_stands_what_brings_another_motion_nearer() {
     ];
     let found = sifted(&format!("{SERVOS}{load}"), "payload", &[], &changes);
     assert_eq!(found.stand, [Stands { index: 1, equals: vec![] }]);
-    let mended = found.mended.twin;
+    let [mended, _] = found.mended;
     assert!((mended.values["payload_mass"][0] - 2.0).abs() < 0.2, "{:?}", mended.values);
     let (truth, fit) = by_rapier(&format!("{SERVOS}{load}"));
     let twin = without(&truth, "payload");
-    let refits = Refits::new(&twin, &fit, &()).unwrap();
+    let refits = Refits::new(&twin, vec![&fit], &()).unwrap();
     let near = refits.all(&mended, &changes[1..2]).unwrap();
     let mass = near.estimates.iter().find(|e| e.name == "payload_mass").unwrap();
     assert!((mass.value - 2.0).abs() < 0.1 && mass.identifiable, "{mass:?}");
@@ -338,50 +335,45 @@ fn a_fit_begins_near_what_is_hidden() {
                 payload_moment_z = 0.2\n";
     let (truth, fit) = by_rapier(&format!("{SERVOS}{load}"));
     let twin = without(&truth, "payload");
-    let refits = Refits::new(&twin, &fit, &()).unwrap();
+    let refits = Refits::new(&twin, vec![&fit], &()).unwrap();
     let changes = [
         change("payload", &[], &[("payload_mass", 0.1)]),
         change("servo_offset", &[2], &[("servo_offset", 0.01)]),
     ];
     let others = changes.each_ref().map(|change| Other { change, fitted: None });
-    let found = starts(&refits, (&refits.before.twin, &[]), &others).unwrap().with;
+    let found = starts(&refits, (&refits.before.twin, &[]), &others).unwrap();
     assert!(found.iter().all(|start| start.has_tangent));
     let [mass, offset] = [("payload_mass", 0, 0), ("servo_offset", 1, 1)]
         .map(|(name, of, joint)| found[of].twin.values[name][joint]);
     assert!((mass - 2.0).abs() < 0.4 && offset.abs() < 0.01, "{mass} {offset}");
 }
 
-/// A load is itself, whether it was begun from less or from more, as far as the steps of encoders tell; a servo's offset is
-/// no load.
+/// A load is itself, whether it is thought light or heavy, as far as the steps of encoders tell; a servo's offset is no load.
 #[test]
 fn names_are_equal_that_two_recordings_do_not_tell_apart() {
     let load = "[effects.payload]\npayload_mass = 2.0\npayload_moment_x = 0.1\npayload_moment_y = 0\n\
                 payload_moment_z = 0.2\n";
     let steps =
         SERVOS.replace("[quantisation]\nposition_rad = 0", "[quantisation]\nposition_rad = 2e-4");
-    let scenario = format!("{steps}{load}");
-    let [(truth, fit), (_, check)] = ["duration_s = 6", "duration_s = 6\nseed = 7"]
-        .map(|other| by_rapier(&scenario.replace("duration_s = 6", other)));
-    let twin = without(&truth, "payload");
-    let refits = Refits::new(&twin, &fit, &()).unwrap();
-    let yardstick = |track| Yardstick::new(&refits.before.twin, refits.open(), track).unwrap();
-    let both = [&yardstick(&fit), &yardstick(&check)];
-    let rivals = Rivals { refits: &refits, both, inexact: 0.1 };
-    let found = |effect: &str, joints: &[usize], values: &[(&str, f64)]| {
-        let change = change(effect, joints, values);
-        let near = changed(&refits.before.twin, &BTreeMap::new(), std::slice::from_ref(&change));
-        (near, vec![change])
-    };
-    let [load, heavy, offset] = [
-        found("payload", &[], &[("payload_mass", 1.5)]),
-        found("payload", &[], &[("payload_mass", 2.5)]),
-        found("servo_offset", &[2], &[("servo_offset", 0.01)]),
+    let changes = [
+        change("payload", &[], &[("payload_mass", 1.5)]),
+        change("payload", &[], &[("payload_mass", 2.5)]),
+        change("servo_offset", &[2], &[("servo_offset", 0.01)]),
     ];
-    let without = Named { near: &refits.before.twin, changes: Vec::new() };
-    let [load, heavy, offset] =
-        [&load, &heavy, &offset].map(|(near, changes)| Named { near, changes: changes.clone() });
-    let equals = rivals.equals(&without, &load, &[heavy, offset]).unwrap();
-    assert_eq!(equals, [true, false]);
+    let found = sifted(&format!("{steps}{load}"), "payload", &[], &changes);
+    assert_eq!(found.stand, [Stands { index: 0, equals: vec![1] }]);
+}
+
+/// A recording in halves: each sample in one of them, in stretches, however short it is.
+#[test]
+fn every_other_stretch_is_a_half() {
+    let (_, track) = by_rapier(SERVOS);
+    let halves = track.halves(5.0);
+    let usable = |k: usize| halves.each_ref().map(|half| half.usable[k]);
+    assert!((0..track.len()).all(|k| usable(k)[0] != usable(k)[1]));
+    for half in &halves {
+        assert!(half.stretches(f64::INFINITY).len() >= 2, "{:?}", half.stretches(f64::INFINITY));
+    }
 }
 
 /// What a twin leaves open is what a recording says of it, whatever another said; what it lacks stays.
@@ -394,7 +386,7 @@ fn open_values_are_those_of_the_recording_it_is_held_against() {
     soft.drive.servo.as_mut().unwrap().gain.iter_mut().for_each(|k| *k *= 0.8);
     let left = |twin: &Twin, open: &[&str]| {
         let open = open.iter().map(|name| name.to_string()).collect();
-        Yardstick::new(twin, open, &track).unwrap().left(twin).unwrap().mean_rad()
+        Yardstick::new(twin, open, (&track, &track)).unwrap().left(twin).unwrap().mean_rad()
     };
     let [own, kept, lacks] =
         [left(&elsewhere, &["viscous"]), left(&elsewhere, &[]), left(&soft, &["viscous"])];

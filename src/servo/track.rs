@@ -63,6 +63,18 @@ impl Track {
         [a, b]
     }
 
+    /// Every other stretch of `seconds`, and those between; shorter ones where there would not be two of each.
+    pub fn halves(&self, seconds: f64) -> [Self; 2] {
+        let recorded_s = self.usable.iter().filter(|usable| **usable).count() as f64 * self.dt;
+        let stretches = self.stretches(seconds.min(recorded_s / 4.0));
+        [0, 1].map(|first| {
+            let mut half = self.clone();
+            let others = stretches.iter().skip(1 - first).step_by(2);
+            others.for_each(|s| half.usable[s.clone()].fill(false));
+            half
+        })
+    }
+
     pub fn joints(&self) -> usize {
         self.q.joints()
     }

@@ -18,7 +18,10 @@ const STEPS: usize = 5;
 
 /// A recording that twins are held against.
 pub struct Yardstick<'a> {
-    pub track: &'a Track,
+    /// The whole of it.
+    track: &'a Track,
+    /// What of it counts.
+    part: &'a Track,
     /// Effects whose values the twin leaves open.
     open: Vec<String>,
     /// How errors change with each open value, rad by its unit, joint after joint; empty where none is open or the twin cannot be
@@ -31,12 +34,16 @@ impl<'a> Yardstick<'a> {
     ///
     /// # Errors
     /// If an open effect cannot be fitted.
-    pub fn new(twin: &Twin, open: Vec<String>, track: &'a Track) -> Result<Self, ServoError> {
+    pub fn new(
+        twin: &Twin,
+        open: Vec<String>,
+        (track, part): (&'a Track, &'a Track),
+    ) -> Result<Self, ServoError> {
         let free = free_parameters(twin, &open)?;
         if free.is_empty() {
-            return Ok(Self { track, open, columns: Vec::new() });
+            return Ok(Self { track, part, open, columns: Vec::new() });
         }
-        let tracks = [track];
+        let tracks = [part];
         let mut problem = Problem::new(twin, &tracks, &free, Settings::default().horizon_s);
         problem.with_priors = false;
         let x = starts(&free);
@@ -44,7 +51,7 @@ impl<'a> Yardstick<'a> {
         if columns.iter().flatten().any(|c| !c.is_finite()) {
             columns.clear();
         }
-        Ok(Self { track, open, columns })
+        Ok(Self { track, part, open, columns })
     }
 
     /// What a twin leaves of the recording, its open values as the recording has them.
@@ -52,7 +59,7 @@ impl<'a> Yardstick<'a> {
     /// # Errors
     /// If the twin cannot be simulated.
     pub fn left(&self, twin: &Twin) -> Result<Sizes, ServoError> {
-        Sizes::along(self.track, &self.opened(twin)?, f64::INFINITY)
+        Sizes::along(self.track, &self.part.usable, &self.opened(twin)?)
     }
 
     /// `twin` with its open values as the recording has them; as it is where that cannot be told.
@@ -62,7 +69,7 @@ impl<'a> Yardstick<'a> {
         }
         let free = free_parameters(twin, &self.open)?;
         let free: Vec<Free> = free.into_iter().map(|f| f.near_start(twin)).collect();
-        let tracks = [self.track];
+        let tracks = [self.part];
         let mut problem = Problem::new(twin, &tracks, &free, Settings::default().horizon_s);
         let errors = problem.errors(&starts(&free));
         if errors.iter().any(|e| !e.is_finite()) {

@@ -23,6 +23,9 @@ pub struct Scenario {
     pub base: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tip: Option<String>,
+    /// Link that loads are bolted to, if more of the arm moves beyond that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flange: Option<String>,
     /// Random seed for the sensors' noise; the motions have their own.
     pub seed: u64,
     /// Sample rate of the recording, Hz.
@@ -55,6 +58,7 @@ impl Default for Scenario {
             robot: "ur5".into(),
             base: None,
             tip: None,
+            flange: None,
             seed: 1,
             rate_hz: 125.0,
             step_s: 0.0004,
@@ -142,7 +146,8 @@ impl Scenario {
     }
 
     fn resolve(&self, file: &Path) -> Result<Experiment, String> {
-        let chain = Chain { base: self.base.clone(), tip: self.tip.clone() };
+        let (base, tip, flange) = (self.base.clone(), self.tip.clone(), self.flange.clone());
+        let chain = Chain { base, tip, flange };
         let loaded = read_robot(&self.robot, &chain, file).map_err(|e| format!("robot: {e}"))?.1;
         let drive = self
             .drive

@@ -5,6 +5,7 @@ use std::str::FromStr;
 use super::Scenario;
 use super::inject::JOINTS;
 use crate::effects::{self, Effect, Parameter, Scope};
+use crate::robot::Chain;
 use crate::twin::{DriveTable, PerJoint, Twin};
 
 /// One effect at one joint, or of the whole arm, with a value of one of its parameters.
@@ -108,7 +109,8 @@ impl Scenario {
     /// the same names; the scenario's other effects stay.
     pub fn is_of(&mut self, twin: &Twin) {
         self.robot.clone_from(&twin.source);
-        (self.base, self.tip) = (twin.chain.base.clone(), twin.chain.tip.clone());
+        let Chain { base, tip, flange } = twin.chain.clone();
+        (self.base, self.tip, self.flange) = (base, tip, flange);
         let each = |v: &Vec<f64>| Some(PerJoint::Each(v.clone()));
         self.drive = DriveTable {
             gear_ratio: each(&twin.drive.gear_ratio),

@@ -79,7 +79,8 @@ fn wheel() -> Mechanism {
         Joint { name: "j".into(), placement, axis: Unit::new_normalize(-Vector3::y()), limits };
     let body = Body { name: "wheel".into(), parent: None, joint, inertia };
     let gravity = Vector3::zeros();
-    Mechanism::new(Robot { name: "wheel".into(), bodies: vec![body], gravity, flange: placement })
+    let (name, bodies) = ("wheel".into(), vec![body]);
+    Mechanism::new(Robot { name, bodies, gravity, flange: placement, flange_on: None })
 }
 
 /// Pushed with 5 N.m for 1 s against 3 N.m of dry friction: (5 - 3)/2 = 1 rad/s^2 up to 1 rad/s

@@ -46,6 +46,9 @@ struct Contents {
     base: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tip: Option<String>,
+    /// What loads are bolted to, if more of the arm moves beyond that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    flange: Option<String>,
     drive: DriveTable,
     /// Where the motors are position servos.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -82,7 +85,7 @@ impl Twin {
             problem: e.to_string().trim_end().to_string(),
         })?;
         let name = contents.robot.unwrap_or_else(|| Self::default().source);
-        let chain = Chain { base: contents.base, tip: contents.tip };
+        let chain = Chain { base: contents.base, tip: contents.tip, flange: contents.flange };
         let (source, loaded) = read_robot(&name, &chain, file)
             .map_err(|source| TwinError::Robot { file: file.into(), source })?;
         let (robot, notes) = (loaded.robot, loaded.notes);
@@ -124,10 +127,11 @@ impl Twin {
     pub fn to_toml(&self) -> String {
         let values = self.values.iter().map(|(k, v)| (k.clone(), PerJoint::Each(v.clone())));
         let twin = TwinTable { effects: Some(self.effects.clone()), values: values.collect() };
-        let Chain { base, tip } = self.chain.clone();
+        let Chain { base, tip, flange } = self.chain.clone();
         let drive = DriveTable::of(&self.drive);
         let servo = self.drive.servo.as_ref().map(ServoTable::of);
-        let contents = Contents { robot: Some(self.source.clone()), base, tip, drive, servo, twin };
+        let contents =
+            Contents { robot: Some(self.source.clone()), base, tip, flange, drive, servo, twin };
         // Strings, lists and numbers under fixed keys: nothing TOML cannot hold.
         toml::to_string(&contents).unwrap_or_default()
     }

@@ -154,7 +154,9 @@ fn an_arm_inside_a_larger_robot_is_named_by_base_and_tip() {
     let text = |chain: &str| {
         format!("robot = {urdf:?}\n{chain}\n[drive]\ngear_ratio = 100\ntorque_constant = 0.1\n")
     };
-    let twin = parse(&text("base = \"mast\"\ntip = \"right_3\"")).unwrap();
+    let chain = "base = \"mast\"\ntip = \"right_3\"\nflange = \"right_2\"";
+    let twin = parse(&text(chain)).unwrap();
+    assert_eq!(twin.robot.carrier(), Some(1));
     let joints: Vec<_> = twin.robot.bodies.iter().map(|b| b.joint.name.as_str()).collect();
     assert_eq!(joints, ["right_pan", "right_lift", "right_elbow"]);
     assert!(twin.notes.iter().any(|n| n.contains("gravity")), "{:?}", twin.notes);

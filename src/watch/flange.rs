@@ -61,12 +61,13 @@ impl Flange {
     }
 
     fn solve(&self, stretch: &Stretch) -> Option<Vector3<f64>> {
+        let carrier = self.robot.carrier()?;
         let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
         let mut q = vec![0.0; stretch.joints()];
         for k in (0..stretch.len()).step_by((stretch.len() / INSTANTS).max(1)) {
             stretch.q.sample_into(k, &mut q);
             let at = &self.robot.flange.translation;
-            let jacobian = point_jacobian(&self.robot, &q, self.robot.dof() - 1, at);
+            let jacobian = point_jacobian(&self.robot, &q, carrier, at);
             for j in (0..stretch.joints()).filter(|&j| stretch.counts[j][k]) {
                 let (sum, count) = self.squares[j];
                 let weight = if sum > 0.0 { count / sum } else { continue };

@@ -84,7 +84,7 @@ fn a_real_arm_without_torque_is_mended() {
     let at = |name: &str| out.path().join(name).display().to_string();
     let urdf = folder.join("so101_new_calib.urdf");
     let twin = format!(
-        "robot = {urdf:?}\ntip = \"moving_jaw_so101_v1_link\"\n[drive]\nrotor_inertia = 0.028\n[servo]\n\
+        "robot = {urdf:?}\ntip = \"moving_jaw_so101_v1_link\"\nflange = \"gripper_frame_link\"\n[drive]\nrotor_inertia = 0.028\n[servo]\n\
          gain = 17.8\ndamping = 0.55\nmax_torque = 3.35\n[twin]\neffects = [\"coulomb\", \"viscous\"]\n"
     );
     std::fs::write(out.path().join("so101.toml"), twin).unwrap();

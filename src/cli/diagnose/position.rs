@@ -18,10 +18,10 @@ pub fn page(d: &Diagnosis) -> String {
         mrad(position.after_rad),
         table(&head, 1, position.joints.iter().map(joint))
     );
-    let refitted = position.open_refitted;
+    let refitted = position.cross_validated;
     let [before, after] = [refitted.before_rad, refitted.after_rad].map(mrad);
     text += &format!(
-        "mean size, what the twin leaves open fitted to this recording: {before} -> {after} mrad\n"
+        "mean size, both recordings, in stretches that were not fitted: {before} -> {after} mrad\n"
     );
     for cause in &position.causes {
         let (effect, place) = (&cause.effect, words::place(&cause.joints));

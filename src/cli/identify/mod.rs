@@ -272,7 +272,8 @@ fn fitted<'a>(report: &'a Report<'_>) -> Result<Option<(Twin, &'a str)>, Identif
     let absolute = std::path::absolute(urdf).unwrap_or_else(|_| urdf.to_path_buf());
     Ok(found.map(|(mut twin, method)| {
         twin.source = absolute.display().to_string();
-        (twin.chain, twin.notes) = (Chain::default(), Vec::new());
+        let flange = twin.chain.flange.as_ref().map(|_| "tool0".to_string());
+        (twin.chain, twin.notes) = (Chain { flange, ..Chain::default() }, Vec::new());
         (twin, method)
     }))
 }

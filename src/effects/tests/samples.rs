@@ -38,7 +38,13 @@ pub fn random_arm(dof: usize, rng: &mut ChaCha8Rng) -> Robot {
         rotation: Rotation3::new(Vector3::new(0.3, -0.4, 0.5)).into_inner(),
         translation: Vector3::new(0.05, -0.02, 0.1),
     };
-    Robot { name: "random".into(), bodies, gravity: Vector3::new(0.1, 0.2, -9.81), flange }
+    Robot {
+        name: "random".into(),
+        bodies,
+        gravity: Vector3::new(0.1, 0.2, -9.81),
+        flange,
+        flange_on: None,
+    }
 }
 
 /// One joint about y, so that gravity pulls on what lies along x; 3 kg at 0.4 m; flange at 0.5 m.

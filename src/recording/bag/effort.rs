@@ -58,7 +58,7 @@ pub fn by_gravity(q: &[Vec<f64>], effort: &[Vec<f64>], arms: &[Robot]) -> Eviden
 
 /// The arm named, with what was assumed about it, or all built-in ones.
 pub fn arms(map: &BagMap, universal_robots: bool) -> Result<(Vec<Robot>, Vec<String>), String> {
-    let chain = Chain { base: map.base.clone(), tip: map.tip.clone() };
+    let chain = Chain { base: map.base.clone(), tip: map.tip.clone(), flange: None };
     match &map.robot {
         Some(name) => match robot::load(name, &chain) {
             Ok(loaded) => Ok((vec![loaded.robot], loaded.notes)),

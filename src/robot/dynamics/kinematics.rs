@@ -16,8 +16,8 @@ pub fn body_placements(robot: &Robot, q: &[f64]) -> Vec<Placement> {
 
 /// The flange (tool0) seen from the base.
 pub fn flange_placement(robot: &Robot, q: &[f64]) -> Placement {
-    match body_placements(robot, q).last() {
-        Some(last) => last.compose(&robot.flange),
+    match robot.carrier().and_then(|i| body_placements(robot, q).into_iter().nth(i)) {
+        Some(carrier) => carrier.compose(&robot.flange),
         None => robot.flange,
     }
 }

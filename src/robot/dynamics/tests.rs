@@ -26,7 +26,8 @@ impl State {
         let bodies = (0..7).map(|i| random_body(rng, i)).collect();
         let flange = random_placement(rng);
         let gravity = vector(rng) * 10.0;
-        let robot = Robot { name: format!("tree {seed}"), bodies, gravity, flange };
+        let robot =
+            Robot { name: format!("tree {seed}"), bodies, gravity, flange, flange_on: None };
         let ws = Workspace::new(&robot);
         let mut draw = || (0..7).map(|_| rng.random_range(-2.0..2.0)).collect::<Vec<f64>>();
         Self { robot, ws, q: draw(), qd: draw(), qdd: draw() }
@@ -349,5 +350,6 @@ fn double_pendulum(m: [f64; 2], l1: f64, r: [f64; 2], i: [f64; 2]) -> Robot {
         bodies: vec![body(0, 0.0), body(1, l1)],
         gravity: Vector3::new(0.0, 0.0, -crate::robot::GRAVITY),
         flange: Placement::identity(),
+        flange_on: None,
     }
 }

@@ -91,7 +91,7 @@ impl Table {
             });
         }
         let gravity = Vector3::new(0.0, 0.0, -crate::robot::GRAVITY);
-        Robot { name: self.name.into(), bodies, gravity, flange: dh_frame }
+        Robot { name: self.name.into(), bodies, gravity, flange: dh_frame, flange_on: None }
     }
 
     /// Trans_x(a_i) Rot_x(alpha_i).

@@ -18,6 +18,9 @@ pub struct Chain {
     pub base: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tip: Option<String>,
+    /// Link that loads are bolted to, where that is not the tip: a gripper's jaw moves beyond it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flange: Option<String>,
 }
 
 /// The joints from a base to a tip.
@@ -38,6 +41,7 @@ impl Chain {
             Ok(Some(link.name))
         };
         let (base, tip) = (known("base", &self.base)?, known("tip", &self.tip)?);
+        known("flange", &self.flange)?;
         let base = match (base, tip) {
             (Some(base), _) => base,
             (None, Some(tip)) => tree.way_to(tip).first().map_or(tip, |j| j.parent),

@@ -67,6 +67,8 @@ pub fn read(text: &str, file: &str, chain: &Chain) -> Result<Loaded, RobotError>
         carried: Carried::default(),
         bare: false,
         at: Placement::identity(),
+        flange: chain.flange.as_deref(),
+        found: None,
     };
     let gravity = reader.gravity(path.base)?;
     reader.follow(&path)?;
@@ -85,6 +87,9 @@ struct Reader<'t, 'a> {
     bare: bool,
     /// The link being read, seen from that body (the base before the first joint).
     at: Placement,
+    /// The link that is said to be the flange, and the body that carries it, once it is read.
+    flange: Option<&'t str>,
+    found: Option<(usize, Placement)>,
 }
 
 impl<'a> Reader<'_, 'a> {
@@ -161,12 +166,17 @@ impl<'a> Reader<'_, 'a> {
 
     /// All that the body being read carries is known.
     fn close(&mut self) -> Result<(), RobotError> {
+        let last = self.bodies.len().saturating_sub(1);
         match self.bodies.last_mut() {
             None => self.carried.say_left_out(&mut self.notes),
             Some(body) => {
                 self.carried.say_joined(&body.name, &mut self.notes);
                 body.inertia = body.inertia.joined_with(&self.carried.inertia);
                 check_mass(self.tree, body)?;
+                let frames = self.carried.frames.iter().map(|(name, at, _)| (*name, *at));
+                let mut links = frames.chain([(body.name.as_str(), Placement::identity())]);
+                let flange = links.find(|(name, _)| Some(*name) == self.flange);
+                self.found = self.found.or(flange.map(|(_, at)| (last, at)));
                 if self.bare {
                     let text = "no mass of its own; it has that of what is fixed to it";
                     self.notes.of("link", &body.name, text);
@@ -208,7 +218,17 @@ impl<'a> Reader<'_, 'a> {
             None => self.flange().unwrap_or((last, Placement::identity())),
         };
         let (base, tip) = (path.base.to_string(), tip.to_string());
-        let robot = Robot { name: name.into(), bodies: self.bodies, gravity, flange };
+        let (flange_on, flange) = match (self.flange, self.found) {
+            (None, _) => (None, flange),
+            (Some(_), Some((body, flange))) => (Some(body), flange),
+            (Some(link), None) => {
+                let problem = "is no flange: it is fixed to no link that moves with the arm; \
+                               leave `flange` out, or name a link of the arm or one fixed to it";
+                return Err(self.tree.file.link(link, problem.to_string()));
+            }
+        };
+        let flange_on = flange_on.filter(|body| body + 1 < self.bodies.len());
+        let robot = Robot { name: name.into(), bodies: self.bodies, gravity, flange, flange_on };
         Ok(Loaded { robot, base, tip, notes: self.notes.into_words() })
     }
 

@@ -52,7 +52,11 @@ pub fn body(robot: &Robot, i: usize) -> Shape {
 
 fn next_frame(robot: &Robot, i: usize) -> Vector3<f64> {
     let child = robot.bodies.iter().find(|b| b.parent == Some(i));
-    child.map_or(robot.flange.translation, |c| c.joint.placement.translation)
+    match child {
+        Some(child) => child.joint.placement.translation,
+        None if robot.carrier() == Some(i) => robot.flange.translation,
+        None => robot.bodies[i].inertia.com,
+    }
 }
 
 fn radius(mass: f64) -> f64 {

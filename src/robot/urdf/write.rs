@@ -64,8 +64,8 @@ pub fn write_with(robot: &Robot, more: &Additions) -> String {
         text += &joint(&body.joint, parent, body, inside);
     }
     let _ = writeln!(text, "  <link name=\"{tool}\"/>");
-    let last = robot.bodies.last().map_or(base, |b| &b.name);
-    text += &fixed(&format!("{tool}_fixed_joint"), &robot.flange, last, tool);
+    let carrier = robot.carrier().map_or(base, |i| &robot.bodies[i].name);
+    text += &fixed(&format!("{tool}_fixed_joint"), &robot.flange, carrier, tool);
     text += &more.tool.replace(Additions::TOOL, tool);
     text + "</robot>\n"
 }

@@ -1,13 +1,13 @@
 //! Which part of a robot is taken for the arm, what it carries, and what is said of that.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::super::{Chain, Loaded, read, write};
-use crate::robot::{GRAVITY, builtin};
+use crate::robot::{GRAVITY, builtin, flange_placement};
 
 fn chain(base: &str, tip: &str) -> Chain {
     let link = |name: &str| (!name.is_empty()).then(|| name.to_string());
-    Chain { base: link(base), tip: link(tip) }
+    Chain { base: link(base), tip: link(tip), flange: None }
 }
 
 fn loaded(text: &str, base: &str, tip: &str) -> Loaded {
@@ -139,6 +139,31 @@ fn what_lies_beyond_the_tip_is_carried() {
     assert_eq!((joints(&found), found.tip.as_str()), (vec!["arm1j", "arm2j"], "arm2"));
     assert!((found.robot.bodies[1].inertia.mass - 3.0).abs() < 1e-12);
     assert_notes(&found, "link `arm2`: carries", &["`arm3`, `arm4` (2.000 kg)"]);
+}
+
+/// A gripper's jaw moves beyond the flange: what is bolted there does not move with it.
+#[test]
+fn loads_are_bolted_to_the_link_that_is_said_to_be_the_flange() {
+    let hand = "<link name=\"hand\"/><joint name=\"bolts\" type=\"fixed\"><origin xyz=\"0 0 0.1\"/>\
+                <parent link=\"arm2\"/><child link=\"hand\"/></joint>";
+    let text = robot(&[row("arm", 3, "root"), hand.into()]);
+    let with = |flange: &str| Chain { flange: Some(flange.into()), ..chain("", "arm3") };
+    let found = read(&text, "test.urdf", &with("hand")).unwrap().robot;
+    assert_eq!((found.dof(), found.carrier()), (3, Some(1)));
+    let laden = found.with_payload(2.0, Vector3::zeros(), Matrix3::zeros());
+    let masses: Vec<f64> = laden.bodies.iter().map(|b| b.inertia.mass).collect();
+    assert_eq!(masses, [1.0, 3.0, 1.0]);
+    let height = |q: &[f64]| flange_placement(&found, q).translation;
+    assert_eq!(height(&[0.3, -0.2, 0.0]), height(&[0.3, -0.2, 1.0]));
+    let written = Chain { flange: Some("tool0".into()), ..Chain::default() };
+    let again = read(&write(&found), "again.urdf", &written).unwrap().robot;
+    assert_eq!((again.carrier(), again.flange), (Some(1), found.flange));
+    // The last link as ever, said or not.
+    let last = read(&text, "test.urdf", &with("arm3")).unwrap();
+    assert_eq!(last, loaded(&text, "", "arm3"));
+    let refused = |flange: &str| read(&text, "test.urdf", &with(flange)).unwrap_err().to_string();
+    assert_says(&["link `root`", "is no flange", "leave `flange` out"], &refused("root"));
+    assert_says(&["no link `wrist`", "flange"], &refused("wrist"));
 }
 
 #[test]

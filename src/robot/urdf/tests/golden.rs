@@ -28,7 +28,7 @@ struct Case {
 
 impl Case {
     fn chain(&self) -> Chain {
-        Chain { base: Some(self.base.clone()), tip: Some(self.tip.clone()) }
+        Chain { base: Some(self.base.clone()), tip: Some(self.tip.clone()), flange: None }
     }
 
     fn torque(&self, robot: &crate::robot::Robot) -> Vec<f64> {
@@ -69,7 +69,7 @@ fn a_written_chain_reads_back_with_the_same_torques() {
         let robot = read(CART, "cart", &case.chain()).unwrap().robot;
         let back = read(&write(&robot), "chain", &Chain::default()).unwrap();
         assert!(largest_difference(&case.torque(&robot), &case.torque(&back.robot)) < 1e-12);
-        let again = Chain { base: Some("base".into()), tip: Some("tool0".into()) };
+        let again = Chain { base: Some("base".into()), tip: Some("tool0".into()), flange: None };
         let again = read(&write(&robot), "chain", &again).unwrap().robot;
         assert!((again.gravity - robot.gravity).amax() < 1e-12, "{}", case.base);
         assert!(largest_difference(&case.torque(&robot), &case.torque(&again)) < 1e-12);
