@@ -180,8 +180,10 @@ def gravity(all_logs, work):
             mass, x, z = (load[f'payload_{part}'] for part in ('mass', 'moment_x', 'moment_z'))
             found = GRAVITY * np.hypot(ARM * mass['value'] - z['value'], x['value'])
             met = 'met' if abs(found / true - 1) <= NEAR else '**not met**'
+            # What the logs do not tell has no interval.
+            within = 'not told' if mass['low'] is None else f'{mass["low"]:.2f} to {mass["high"]:.2f}'
             rows.append([name, which, f'{found:.3f}', f'{100 * (found / true - 1):+.0f} %', met,
-                         f'{mass["value"]:.2f} ({mass["low"]:.2f} to {mass["high"]:.2f})'])
+                         f'{mass["value"]:.2f} ({within})'])
     return table(['known', 'logs', 'gravity, N.m', 'off by', f'within {100 * NEAR:.0f} %', 'mass (99 %), kg'], rows)
 
 

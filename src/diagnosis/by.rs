@@ -39,8 +39,9 @@ pub struct Position {
     pub causes: Vec<PositionShrink>,
 }
 
-/// Mean size of the position error over all joints of both recordings, of twins that were fitted to every other stretch of both,
-/// in the stretches between, which tell what the twin leaves open (cross-validation): what causes are decided by.
+/// Mean size of the position error over all joints of both recordings (cross-validation in two folds): each twin was fitted to every
+/// other stretch of both, and its error counts in the stretches between, which tell only what the twin leaves open. Causes are
+/// decided by it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct CrossValidated {
     pub before_rad: f64,

@@ -138,7 +138,7 @@ fn position_shrinks(position: &Position) -> String {
         [before_rad, after_rad, position.before_rad, position.after_rad].map(|rad| 1e3 * rad);
     format!(
         "The position error in stretches that were not fitted shrinks from {before:.2} to {after:.2} mrad (mean size, both \
-         recordings); the check recording, predicted by a fit to the other alone: it {goes} from {rms_before:.2} to \
+         recordings). Where the check recording is predicted from the other one alone, it {goes} from {rms_before:.2} to \
          {rms_after:.2} mrad (rms)."
     )
 }

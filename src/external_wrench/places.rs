@@ -42,12 +42,14 @@ pub fn places(robot: &Robot) -> Vec<Place> {
     all.into_iter().filter(shows).collect()
 }
 
-/// Position of the next joint, or of the flange, in the link's frame, m; centre of mass where the link
+/// Position of the flange, or else of the next joint, in the link's frame, m; centre of mass where the link
 /// branches.
 fn end(robot: &Robot, link: usize) -> Vector3<f64> {
+    if robot.carrier() == Some(link) {
+        return robot.flange.translation;
+    }
     let children: Vec<_> = robot.bodies.iter().filter(|b| b.parent == Some(link)).collect();
     match &children[..] {
-        [] if robot.carrier() == Some(link) => robot.flange.translation,
         [child] => child.joint.placement.translation,
         _ => robot.bodies[link].inertia.com,
     }

@@ -144,6 +144,15 @@ fn a_push_at_an_early_link_is_told_from_one_further_out() {
     assert!(contact.joints.iter().all(|j| *j <= 2), "{contact:?}");
 }
 
+/// A gripper's jaw moves beyond the flange: a push there is still one at the flange.
+#[test]
+fn the_flange_is_a_place_on_the_link_that_carries_it() {
+    let mut robot = tables::ur5::TABLE.robot();
+    (robot.flange_on, robot.flange.translation) = (Some(4), Vector3::new(0.0, 0.0, 0.2));
+    let flange = places::Place { link: 4, point: robot.flange.translation };
+    assert!(places(&robot).contains(&flange), "{:?}", places(&robot));
+}
+
 #[test]
 fn nothing_touches_where_there_is_only_noise() {
     for (friction, seed) in [(Friction::Rests, 3), (Friction::Slides, 4), (Friction::Slides, 5)] {

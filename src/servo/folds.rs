@@ -52,7 +52,11 @@ impl Fold<'_> {
 pub type Twins = [Twin; 2];
 
 /// Both folds.
-pub struct Folds<'a>(pub [Fold<'a>; 2]);
+pub struct Folds<'a> {
+    folds: [Fold<'a>; 2],
+    /// Who follows the fits.
+    pub watch: &'a dyn Watch,
+}
 
 impl<'a> Folds<'a> {
     /// # Errors
@@ -71,15 +75,20 @@ impl<'a> Folds<'a> {
             let (own, against) = (of(fitted)?, of(1 - fitted)?);
             Ok(Fold { refits, own, against })
         };
-        Ok(Self([fold(0)?, fold(1)?]))
+        Ok(Self { folds: [fold(0)?, fold(1)?], watch })
     }
 
-    /// What twins leave of the half that each was not fitted to.
+    /// The twin as given, what it leaves open fitted to one half and to the other.
+    pub fn before(&self) -> Twins {
+        self.folds.each_ref().map(|fold| fold.refits.before.twin.clone())
+    }
+
+    /// What twins leave of the half that each was not fitted to, what they leave open as that half has it.
     ///
     /// # Errors
     /// If a twin cannot be simulated.
     pub fn left(&self, twins: &Twins) -> Result<Sizes, ServoError> {
-        let of = |k: usize, i: usize| self.0[k].against[i].left(&twins[k]);
+        let of = |k: usize, i: usize| self.folds[k].against[i].left(&twins[k]);
         let of_recording = |i: usize| -> Result<Sizes, ServoError> {
             let (first, second) = rayon::join(|| of(0, i), || of(1, i));
             Ok(first?.and(second?))
@@ -98,7 +107,7 @@ impl<'a> Folds<'a> {
         of: impl Fn(&Fold<'a>, T) -> Result<R, ServoError> + Sync,
     ) -> Result<[R; 2], ServoError> {
         let [a, b] = all;
-        let (a, b) = rayon::join(|| of(&self.0[0], a), || of(&self.0[1], b));
+        let (a, b) = rayon::join(|| of(&self.folds[0], a), || of(&self.folds[1], b));
         Ok([a?, b?])
     }
 }

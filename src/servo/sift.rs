@@ -32,8 +32,9 @@ const PROMISING: f64 = 0.5;
 pub struct Sifted {
     pub stand: Vec<Stands>,
     pub mended: Twins,
-    /// Of the halves that the twins were not fitted to, and what was left of them when nothing stood.
+    /// What they leave of the halves that they were not fitted to.
     pub left: Sizes,
+    /// What was left of these when nothing stood.
     pub before: Sizes,
 }
 
@@ -76,7 +77,7 @@ impl Sieve<'_> {
     /// # Errors
     /// If the twin cannot be fitted or simulated.
     pub fn sift(&self, offers: &[Offer]) -> Result<Sifted, ServoError> {
-        let mended = self.folds.0.each_ref().map(|fold| fold.refits.before.twin.clone());
+        let mended = self.folds.before();
         let left = self.folds.left(&mended)?;
         let before = left.clone();
         let mut sifted = Sifted { stand: Vec::new(), mended, left, before };
@@ -86,8 +87,7 @@ impl Sieve<'_> {
         for round in 0.. {
             // Every round takes one up, or puts several aside.
             let at_most = round + open.len() as u64;
-            let watch = self.folds.0[0].refits.watch;
-            watch.bound("fitting causes together by simulation", round, at_most);
+            self.folds.watch.bound("fitting causes together by simulation", round, at_most);
             let promising = self.promising(&sifted, offers, &open, &mut fitted)?;
             if promising.is_empty() {
                 break;
@@ -208,7 +208,8 @@ impl Sieve<'_> {
             let left = self.folds.left(&starts)?;
             let is_nearer = left.are_nearer(&sifted.left, offers[index].among, self.settings);
             let gain = sifted.left.ln() - left.ln();
-            let is_promising = is_nearer && self.is_more(sifted, [&sifted.left, &left], PROMISING);
+            let is_promising =
+                is_nearer && self.is_more_than_inexact(sifted, [&sifted.left, &left], PROMISING);
             Ok(is_promising.then_some(Promising { index, starts, gain }))
         };
         let told: Vec<Option<Promising>> =
@@ -276,11 +277,18 @@ impl Sieve<'_> {
 
     /// Is something surely taken off between two twins, by more than the laws are exact to that take off all the rest?
     fn takes_off(&self, sifted: &Sifted, [without, with]: [&Sizes; 2], among: usize) -> bool {
-        with.are_nearer(without, among, self.settings) && self.is_more(sifted, [without, with], 1.0)
+        with.are_nearer(without, among, self.settings)
+            && self.is_more_than_inexact(sifted, [without, with], 1.0)
     }
 
-    /// Is what is taken off between two twins more than a share of all that is taken off, or `part` of that much?
-    fn is_more(&self, sifted: &Sifted, [without, with]: [&Sizes; 2], part: f64) -> bool {
+    /// Is what is taken off between two twins more than the share, or `part` of it, of all that is taken off to which no law is
+    /// exact?
+    fn is_more_than_inexact(
+        &self,
+        sifted: &Sifted,
+        [without, with]: [&Sizes; 2],
+        part: f64,
+    ) -> bool {
         let inexact = part * self.settings.criteria.least_gain_inexact;
         without.ln() > as_little(sifted.before.ln(), with.ln(), inexact)
     }

@@ -18,8 +18,8 @@ pub fn page(d: &Diagnosis) -> String {
         mrad(position.after_rad),
         table(&head, 1, position.joints.iter().map(joint))
     );
-    let refitted = position.cross_validated;
-    let [before, after] = [refitted.before_rad, refitted.after_rad].map(mrad);
+    let unseen = position.cross_validated;
+    let [before, after] = [unseen.before_rad, unseen.after_rad].map(mrad);
     text += &format!(
         "mean size, both recordings, in stretches that were not fitted: {before} -> {after} mrad\n"
     );

@@ -166,17 +166,13 @@ impl<'a> Reader<'_, 'a> {
 
     /// All that the body being read carries is known.
     fn close(&mut self) -> Result<(), RobotError> {
-        let last = self.bodies.len().saturating_sub(1);
+        self.look_for_flange();
         match self.bodies.last_mut() {
             None => self.carried.say_left_out(&mut self.notes),
             Some(body) => {
                 self.carried.say_joined(&body.name, &mut self.notes);
                 body.inertia = body.inertia.joined_with(&self.carried.inertia);
                 check_mass(self.tree, body)?;
-                let frames = self.carried.frames.iter().map(|(name, at, _)| (*name, *at));
-                let mut links = frames.chain([(body.name.as_str(), Placement::identity())]);
-                let flange = links.find(|(name, _)| Some(*name) == self.flange);
-                self.found = self.found.or(flange.map(|(_, at)| (last, at)));
                 if self.bare {
                     let text = "no mass of its own; it has that of what is fixed to it";
                     self.notes.of("link", &body.name, text);
@@ -186,6 +182,15 @@ impl<'a> Reader<'_, 'a> {
             }
         }
         Ok(())
+    }
+
+    /// Is the link that is said to be the flange the body being read, or fixed to it?
+    fn look_for_flange(&mut self) {
+        let Some(body) = self.bodies.last() else { return };
+        let frames = self.carried.frames.iter().map(|(name, at, _)| (*name, *at));
+        let mut links = frames.chain([(body.name.as_str(), Placement::identity())]);
+        let here = links.find(|(name, _)| Some(*name) == self.flange);
+        self.found = self.found.or(here.map(|(_, at)| (self.bodies.len() - 1, at)));
     }
 
     /// The next body, which moves with `joint`.
@@ -220,14 +225,15 @@ impl<'a> Reader<'_, 'a> {
         let (base, tip) = (path.base.to_string(), tip.to_string());
         let (flange_on, flange) = match (self.flange, self.found) {
             (None, _) => (None, flange),
-            (Some(_), Some((body, flange))) => (Some(body), flange),
+            (Some(_), Some((body, flange))) => {
+                (Some(body).filter(|body| body + 1 < self.bodies.len()), flange)
+            }
             (Some(link), None) => {
                 let problem = "is no flange: it is fixed to no link that moves with the arm; \
                                leave `flange` out, or name a link of the arm or one fixed to it";
                 return Err(self.tree.file.link(link, problem.to_string()));
             }
         };
-        let flange_on = flange_on.filter(|body| body + 1 < self.bodies.len());
         let robot = Robot { name: name.into(), bodies: self.bodies, gravity, flange, flange_on };
         Ok(Loaded { robot, base, tip, notes: self.notes.into_words() })
     }
