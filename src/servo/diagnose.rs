@@ -9,7 +9,7 @@
 use super::fit::Fit;
 use super::folds::{Folds, Halved};
 use super::judge::prove;
-use super::refit::Refits;
+use super::refit::{Refits, Refitted};
 use super::sift::{Sieve, Sifted};
 use super::{Free, ServoError, Settings, Track, free_parameters, linearised};
 use crate::diagnosis::{self, CrossValidated, Diagnosis, Offer, Traces, diagnose_proved};
@@ -52,20 +52,23 @@ pub fn diagnose(
     let [fit_track, check_track] = &both;
     watch.tell("fitting what the twin leaves open", 0, 0);
     let refits = Refits::new(twin, vec![fit_track], watch)?;
-    let near = following(&refits.before.twin, fit_track, watch)?;
+    let near = following(&refits.before, fit_track, watch)?;
     let horizon_s = Settings::default().horizon_s;
     let [seen_fit, seen_check] = [fit, check].map(|s| linearised(&near, s, horizon_s));
     let halved = Halved::new(both.clone());
     let folds = Folds::new(twin, &halved, watch)?;
     let mut decided = CrossValidated::default();
-    let (mut after, mut taken) = (refits.before.clone(), Vec::new());
+    let (mut taken, mut alone) = (Vec::new(), refits.before.clone());
+    let mut told = Refitted { twin: alone.clone(), estimates: Vec::new() };
     let mut proof = |offers: &[Offer]| {
         let sieve = Sieve { folds: &folds, settings };
         let Sifted { stand, mended, left, before } = sieve.sift(offers)?;
         taken = stand.iter().map(|s| offers[s.index].change.clone()).collect();
         (decided.before_rad, decided.after_rad) = (before.mean_rad(), left.mean_rad());
         if !taken.is_empty() {
-            after = refits.all(&mended[0], &taken)?;
+            let of_both = Refits::new(twin, both.iter().collect(), watch)?;
+            told = of_both.all(&mended[0], &taken)?;
+            alone = refits.close(&told.twin, &taken)?;
         }
         Ok(stand)
     };
@@ -73,7 +76,8 @@ pub fn diagnose(
     let (mut diagnosis, traces) =
         diagnose_proved(twin, &seen_fit?, &seen_check?, settings, &mut proof, watch)?;
     let held = (check_track, decided);
-    let simulated = prove(&mut diagnosis, twin, [&refits.before, &after], &taken, held)?;
+    let led = [&refits.before, &alone];
+    let simulated = prove(&mut diagnosis, twin, led, (&taken, &told), held)?;
     Ok(Found { diagnosis, traces, simulated })
 }
 

@@ -42,7 +42,7 @@ impl Fold<'_> {
     /// If a twin cannot be simulated.
     pub fn nearer(&self, start: &Twin, fitted: Twin) -> Result<Twin, ServoError> {
         let left = |twin: &Twin| -> Result<f64, ServoError> {
-            self.own.iter().map(|own| Ok(own.left(twin)?.ln())).sum()
+            self.own.iter().map(|own| Ok(own.left_as_is(twin)?.ln())).sum()
         };
         Ok(if left(start)? < left(&fitted)? { start.clone() } else { fitted })
     }
@@ -65,14 +65,14 @@ impl<'a> Folds<'a> {
         let fold = |fitted: usize| -> Result<Fold<'a>, ServoError> {
             let tracks = both.halves.iter().map(|halves| &halves[fitted]).collect();
             let refits = Refits::new(twin, tracks, watch)?;
-            let yardstick = |i: usize, half: usize| {
-                let tracks = (&both.whole[i], &both.halves[i][half]);
-                Yardstick::new(&refits.before.twin, refits.open(), tracks)
+            let of = |half: usize| {
+                [0, 1].map(|i| Yardstick {
+                    track: &both.whole[i],
+                    part: &both.halves[i][half],
+                    open: refits.open(),
+                })
             };
-            let of = |half: usize| -> Result<[Yardstick<'_>; 2], ServoError> {
-                Ok([yardstick(0, half)?, yardstick(1, half)?])
-            };
-            let (own, against) = (of(fitted)?, of(1 - fitted)?);
+            let (own, against) = (of(fitted), of(1 - fitted));
             Ok(Fold { refits, own, against })
         };
         Ok(Self { folds: [fold(0)?, fold(1)?], watch })
@@ -80,7 +80,7 @@ impl<'a> Folds<'a> {
 
     /// The twin as given, what it leaves open fitted to one half and to the other.
     pub fn before(&self) -> Twins {
-        self.folds.each_ref().map(|fold| fold.refits.before.twin.clone())
+        self.folds.each_ref().map(|fold| fold.refits.before.clone())
     }
 
     /// What twins leave of the half that each was not fitted to, what they leave open as that half has it.
@@ -88,7 +88,23 @@ impl<'a> Folds<'a> {
     /// # Errors
     /// If a twin cannot be simulated.
     pub fn left(&self, twins: &Twins) -> Result<Sizes, ServoError> {
-        let of = |k: usize, i: usize| self.folds[k].against[i].left(&twins[k]);
+        self.measured(twins, |against, twin| against.left(twin))
+    }
+
+    /// What twins leave of the half that each was not fitted to, with all values that they have.
+    ///
+    /// # Errors
+    /// If a twin cannot be simulated.
+    pub fn left_as_is(&self, twins: &Twins) -> Result<Sizes, ServoError> {
+        self.measured(twins, |against, twin| against.left_as_is(twin))
+    }
+
+    fn measured(
+        &self,
+        twins: &Twins,
+        by: impl Fn(&Yardstick<'_>, &Twin) -> Result<Sizes, ServoError> + Sync,
+    ) -> Result<Sizes, ServoError> {
+        let of = |k: usize, i: usize| by(&self.folds[k].against[i], &twins[k]);
         let of_recording = |i: usize| -> Result<Sizes, ServoError> {
             let (first, second) = rayon::join(|| of(0, i), || of(1, i));
             Ok(first?.and(second?))

@@ -16,35 +16,35 @@ use crate::effects::{Size, find};
 use crate::series::JointSeries;
 use crate::twin::Twin;
 
-/// Leads the twin as given and the mended one, and the mended one without each cause, along the command of the
-/// check recording, and adds to `diagnosis` what that shows; returns their positions, rad. Values are those
-/// that were fitted by simulation, and causes come in the order of `changes`.
+/// Leads along the command of the check recording the twin as given and with `changes`, the values of both fitted to the other
+/// recording alone, and the second one without each cause; adds to `diagnosis` what that shows, and returns the positions of
+/// both, rad. Values are `told` by both recordings, and causes come in the order of `changes`.
 ///
 /// # Errors
 /// If a twin runs away.
 pub fn prove(
     diagnosis: &mut Diagnosis,
     twin: &Twin,
-    [before, after]: [&Refitted; 2],
-    changes: &[Change],
+    [before, after]: [&Twin; 2],
+    (changes, told): (&[Change], &Refitted),
     (track, decided): (&Track, CrossValidated),
 ) -> Result<Vec<JointSeries>, ServoError> {
-    keep_open(&mut diagnosis.fitted_before, twin, &before.twin);
-    keep_open(&mut diagnosis.fitted, twin, &after.twin);
+    keep_open(&mut diagnosis.fitted_before, twin, before);
+    keep_open(&mut diagnosis.fitted, twin, &told.twin);
     let is_of = |change: &Change, cause: &Cause| {
         (&change.effect, &change.joints) == (&cause.effect, &cause.joints)
     };
     diagnosis.causes.sort_by_key(|cause| changes.iter().position(|c| is_of(c, cause)));
-    diagnosis.causes.iter_mut().for_each(|cause| keep_cause(cause, twin, &after.estimates));
+    diagnosis.causes.iter_mut().for_each(|cause| keep_cause(cause, twin, &told.estimates));
     diagnosis.verdict = Verdict::of(&diagnosis.causes, &diagnosis.unexplained, &diagnosis.ranking);
     let stretches = track.stretches(f64::INFINITY);
     let of = |twin: &Twin| replay(twin, track, &stretches);
-    let (q_before, q_after) = rayon::join(|| of(&before.twin), || of(&after.twin));
+    let (q_before, q_after) = rayon::join(|| of(before), || of(after));
     let (q_before, q_after) = (q_before?, q_after?);
     let gaps = [&q_before, &q_after].map(|q| PositionGap::new(track, q));
     let rms = gaps[1].rms_rad();
     let without = |cause: &Cause| -> Result<PositionShrink, ServoError> {
-        let twin = taken_out(&after.twin, twin, &Change::from(cause));
+        let twin = taken_out(after, twin, &Change::from(cause));
         let before_rad = PositionGap::new(track, &of(&twin)?).rms_rad();
         let Cause { effect, joints, .. } = cause.clone();
         let fraction = share(before_rad, rms);
@@ -81,7 +81,7 @@ fn keep_cause(cause: &mut Cause, twin: &Twin, estimates: &[Estimate]) {
     }
 }
 
-/// The interval of a value; what the recording does not tell may be anything in its range.
+/// The interval of a value; what the recordings do not tell may be anything in its range.
 fn within_range(found: &Estimate, twin: &Twin) -> [f64; 2] {
     let about = find(found.effect).map(|e| e.about());
     let own = about.and_then(|a| a.parameters.iter().find(|p| p.name == found.name));

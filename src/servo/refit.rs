@@ -1,7 +1,7 @@
 //! Values of changes, fitted by simulation to recordings.
 
 use super::fit::{Fit, told};
-use super::{Estimate, Free, ServoError, Settings, Track, free_parameters, identify};
+use super::{Estimate, Free, ServoError, Settings, Track, free_parameters};
 use crate::diagnosis::Change;
 use crate::effects::{Effect, Role, Scope, find};
 use crate::follow::Watch;
@@ -23,31 +23,27 @@ pub struct Refits<'a> {
     pub tracks: Vec<&'a Track>,
     /// Who follows the fits.
     pub watch: &'a dyn Watch,
-    pub before: Refitted,
+    pub before: Twin,
 }
 
 impl<'a> Refits<'a> {
     /// # Errors
-    /// As [`identify`].
+    /// As [`super::identify`].
     pub fn new(
         twin: &'a Twin,
         tracks: Vec<&'a Track>,
         watch: &'a dyn Watch,
     ) -> Result<Self, ServoError> {
-        let before = Refitted { twin: twin.clone(), estimates: Vec::new() };
-        let mut refits = Self { twin, tracks, watch, before };
-        let free = refits.free(twin, &[])?;
-        if !free.is_empty() {
-            let fitted = identify(twin, &refits.tracks, &free, &Settings::default(), watch)?.twin;
-            refits.before = refits.all(&fitted, &[])?;
-        }
+        let mut refits = Self { twin, tracks, watch, before: twin.clone() };
+        let far = refits.fitted(Fit::FromFar, twin, &[], None)?;
+        refits.before = refits.close(&far, &[])?;
         Ok(refits)
     }
 
     /// `start`, which has `changes` and one more, with the values of that one fitted, about, and all others as they are.
     ///
     /// # Errors
-    /// As [`identify`].
+    /// As [`super::identify`].
     pub fn alone(
         &self,
         start: &Twin,
@@ -68,7 +64,7 @@ impl<'a> Refits<'a> {
     /// sought.
     ///
     /// # Errors
-    /// As [`identify`].
+    /// As [`super::identify`].
     pub fn beside(
         &self,
         current: &Twin,
@@ -81,17 +77,17 @@ impl<'a> Refits<'a> {
     /// `current`, which has all of `changes`, about without the `i`th.
     ///
     /// # Errors
-    /// As [`identify`].
+    /// As [`super::identify`].
     pub fn without(
         &self,
         current: &Twin,
         changes: &[Change],
         i: usize,
     ) -> Result<Twin, ServoError> {
-        let start = taken_out(current, &self.before.twin, &changes[i]);
+        let start = taken_out(current, &self.before, &changes[i]);
         let mut others = changes.to_vec();
         others.remove(i);
-        self.about([&start, &self.before.twin], &others, None)
+        self.about([&start, &self.before], &others, None)
     }
 
     /// Values to be compared, from `start`; where the twin runs away from there, from where short stretches lead from `other`.
@@ -113,7 +109,7 @@ impl<'a> Refits<'a> {
     /// `near` with the values of what the twin leaves open, and of the changes, fitted.
     ///
     /// # Errors
-    /// As [`identify`].
+    /// As [`super::identify`].
     pub fn all(&self, near: &Twin, changes: &[Change]) -> Result<Refitted, ServoError> {
         self.as_is(&self.close(near, changes)?, changes)
     }
@@ -121,7 +117,7 @@ impl<'a> Refits<'a> {
     /// The same, without what the recordings say of the values.
     ///
     /// # Errors
-    /// As [`identify`].
+    /// As [`super::identify`].
     pub fn close(&self, near: &Twin, changes: &[Change]) -> Result<Twin, ServoError> {
         self.fitted(Fit::Close, near, changes, None)
     }
@@ -129,7 +125,7 @@ impl<'a> Refits<'a> {
     /// A twin with changes as it is, and what the recording says of its values.
     ///
     /// # Errors
-    /// As [`identify`].
+    /// As [`super::identify`].
     pub fn as_is(&self, twin: &Twin, changes: &[Change]) -> Result<Refitted, ServoError> {
         let free = self.free(twin, changes)?;
         if free.is_empty() {
@@ -144,7 +140,7 @@ impl<'a> Refits<'a> {
     /// Others at the end of their range stay there: a servo that brakes less is told where friction would have to push.
     ///
     /// # Errors
-    /// As [`identify`].
+    /// As [`super::identify`].
     pub fn tells(
         &self,
         fitted: &Twin,
@@ -158,7 +154,7 @@ impl<'a> Refits<'a> {
         let tells = |(f, e): (&Free, &Estimate)| match f.parameter.null {
             _ if !e.identifiable || !own.iter().any(|own| is_same(f, own)) => false,
             null if null.is_finite() => {
-                let absent = f.value_in(&self.before.twin);
+                let absent = f.value_in(&self.before);
                 absent < e.low || e.high < absent
             }
             // Nothing that can be written is as stiff as what does not give way.
@@ -217,7 +213,7 @@ impl<'a> Refits<'a> {
             let Free { spread, .. } = Free { start: off, ..before }.near_start(start);
             Free { start: own.start, expected, spread, ..before }
         };
-        Ok(all(&self.before.twin)?.into_iter().zip(own).map(placed).collect())
+        Ok(all(&self.before)?.into_iter().zip(own).map(placed).collect())
     }
 
     /// The parameters of a change beside `changes`, with their values in `start`: without those that these move already.
@@ -239,9 +235,9 @@ impl<'a> Refits<'a> {
 /// The twin with what it leaves open fitted to a recording.
 ///
 /// # Errors
-/// As [`identify`].
+/// As [`super::identify`].
 pub fn open_fitted(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, ServoError> {
-    Ok(Refits::new(twin, vec![fit], watch)?.before.twin)
+    Ok(Refits::new(twin, vec![fit], watch)?.before)
 }
 
 /// Has a change that was fitted a value at the end of its range?

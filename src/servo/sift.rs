@@ -204,12 +204,14 @@ impl Sieve<'_> {
             }
             told.push((index, starts));
         }
+        // Starts have open values by the same first order; what the other half says of them is asked of what is fitted.
+        let as_is = self.folds.left_as_is(&sifted.mended)?;
         let gain = |(index, starts): (usize, Twins)| -> Result<_, ServoError> {
-            let left = self.folds.left(&starts)?;
-            let is_nearer = left.are_nearer(&sifted.left, offers[index].among, self.settings);
-            let gain = sifted.left.ln() - left.ln();
-            let is_promising =
-                is_nearer && self.is_more_than_inexact(sifted, [&sifted.left, &left], PROMISING);
+            let left = self.folds.left_as_is(&starts)?;
+            let is_nearer = left.are_nearer(&as_is, offers[index].among, self.settings);
+            let gain = as_is.ln() - left.ln();
+            let all = sifted.before.ln() - sifted.left.ln() + gain;
+            let is_promising = is_nearer && self.is_more_than_inexact([gain, all], PROMISING);
             Ok(is_promising.then_some(Promising { index, starts, gain }))
         };
         let told: Vec<Option<Promising>> =
@@ -277,20 +279,15 @@ impl Sieve<'_> {
 
     /// Is something surely taken off between two twins, by more than the laws are exact to that take off all the rest?
     fn takes_off(&self, sifted: &Sifted, [without, with]: [&Sizes; 2], among: usize) -> bool {
-        with.are_nearer(without, among, self.settings)
-            && self.is_more_than_inexact(sifted, [without, with], 1.0)
+        let gains = [without, &sifted.before].map(|sizes| sizes.ln() - with.ln());
+        with.are_nearer(without, among, self.settings) && self.is_more_than_inexact(gains, 1.0)
     }
 
-    /// Is what is taken off between two twins more than the share, or `part` of it, of all that is taken off to which no law is
-    /// exact?
-    fn is_more_than_inexact(
-        &self,
-        sifted: &Sifted,
-        [without, with]: [&Sizes; 2],
-        part: f64,
-    ) -> bool {
+    /// Is what a change takes off more than the share, or `part` of it, of `all` that is taken off with it to which no law is exact?
+    fn is_more_than_inexact(&self, [gain, all]: [f64; 2], part: f64) -> bool {
         let inexact = part * self.settings.criteria.least_gain_inexact;
-        without.ln() > as_little(sifted.before.ln(), with.ln(), inexact)
+        // Where a twin runs away without, what is taken off is no measure.
+        gain > if all.is_finite() { inexact * all } else { 0.0 }
     }
 }
 

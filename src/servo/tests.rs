@@ -341,7 +341,7 @@ fn a_fit_begins_near_what_is_hidden() {
         change("servo_offset", &[2], &[("servo_offset", 0.01)]),
     ];
     let others = changes.each_ref().map(|change| Other { change, fitted: None });
-    let found = starts(&refits, (&refits.before.twin, &[]), &others).unwrap();
+    let found = starts(&refits, (&refits.before, &[]), &others).unwrap();
     assert!(found.iter().all(|start| start.has_tangent));
     let [mass, offset] = [("payload_mass", 0, 0), ("servo_offset", 1, 1)]
         .map(|(name, of, joint)| found[of].twin.values[name][joint]);
@@ -386,7 +386,8 @@ fn open_values_are_those_of_the_recording_it_is_held_against() {
     soft.drive.servo.as_mut().unwrap().gain.iter_mut().for_each(|k| *k *= 0.8);
     let left = |twin: &Twin, open: &[&str]| {
         let open = open.iter().map(|name| name.to_string()).collect();
-        Yardstick::new(twin, open, (&track, &track)).unwrap().left(twin).unwrap().mean_rad()
+        let yardstick = Yardstick { track: &track, part: &track, open };
+        yardstick.left(twin).unwrap().mean_rad()
     };
     let [own, kept, lacks] =
         [left(&elsewhere, &["viscous"]), left(&elsewhere, &[]), left(&soft, &["viscous"])];

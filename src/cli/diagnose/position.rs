@@ -28,8 +28,8 @@ pub fn page(d: &Diagnosis) -> String {
         let [before, after] = [cause.before_rad, cause.after_rad].map(mrad);
         text += &format!("{effect}, {place}: {before} -> {after} mrad beside the other causes\n");
     }
-    let torque = "Values are those by which the simulated position follows the fit recording best. Torque \
-                  below is position times the servo's gain: what the recorded position shows that the twin \
-                  does not give.";
+    let torque = "Values are those by which the simulated position follows both recordings best; of the \
+                  positions above, those that follow the fit recording alone. Torque below is position times \
+                  the servo's gain: what the recorded position shows that the twin does not give.";
     text + &paragraph("", torque) + "\n"
 }
