@@ -35,6 +35,7 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &super::servo_gain::ServoGain,
     &super::servo_damping::ServoDamping,
     &super::servo_friction::ServoFriction,
+    &super::servo_max_torque::ServoMaxTorque,
     &super::servo_dead_band::ServoDeadBand,
     &super::servo_delay::ServoDelay,
     &super::servo_offset::ServoOffset,

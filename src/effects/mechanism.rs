@@ -134,8 +134,9 @@ impl Default for ControlChange {
 /// A position servo as it is, where another one is assumed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoChange {
-    /// Factor on the gain.
+    /// Factors on the gain and on the largest torque.
     pub gain: f64,
+    pub max_torque: f64,
     /// Added: N.m.s/rad, a share of the motor's torque, rad, s, rad.
     pub damping: f64,
     pub friction: f64,
@@ -146,7 +147,15 @@ pub struct ServoChange {
 
 impl Default for ServoChange {
     fn default() -> Self {
-        Self { gain: 1.0, damping: 0.0, friction: 0.0, dead_band: 0.0, delay: 0.0, offset: 0.0 }
+        Self {
+            gain: 1.0,
+            max_torque: 1.0,
+            damping: 0.0,
+            friction: 0.0,
+            dead_band: 0.0,
+            delay: 0.0,
+            offset: 0.0,
+        }
     }
 }
 
@@ -161,7 +170,8 @@ impl Mechanism {
             servo.dead_band[j] += change.dead_band;
             servo.delay[j] += change.delay;
             servo.offset[j] += change.offset;
-            servo.max_torque[j] = servo.max_torque[j].min(self.torque_limit[j]);
+            let limit = change.max_torque * servo.max_torque[j];
+            servo.max_torque[j] = limit.min(self.torque_limit[j]);
         }
         servo
     }

@@ -37,6 +37,7 @@ mod servo_dead_band;
 mod servo_delay;
 mod servo_friction;
 mod servo_gain;
+mod servo_max_torque;
 mod servo_offset;
 mod size;
 mod starts;

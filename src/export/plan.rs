@@ -96,6 +96,7 @@ const PLACED: &[&str] = &[
 /// Effects with a place in [`Plan::servo`].
 const OF_SERVOS: &[&str] = &[
     "servo_gain",
+    "servo_max_torque",
     "servo_damping",
     "servo_friction",
     "servo_offset",

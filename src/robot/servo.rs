@@ -66,6 +66,8 @@ pub struct Told {
     pub command: JointSeries,
     /// Command as it arrived, with offset, less position, rad.
     pub error: JointSeries,
+    /// Torque of the position loop were there no limit, N.m.
+    pub asked: JointSeries,
     /// Torque of the position loop, N.m.
     pub pull: JointSeries,
     /// Its slope over the error, N.m/rad: 0 where the servo is off, in its dead band or at its limit.
@@ -74,6 +76,8 @@ pub struct Told {
     pub powered: JointSeries,
     /// Gain, N.m/rad; 0 where the servo is off.
     pub gain: JointSeries,
+    /// Largest torque of the position loop at each joint, N.m; infinite is unlimited.
+    pub limit: Vec<f64>,
     /// Position as recorded, rad.
     pub q: JointSeries,
     /// False in gaps of the recording.
@@ -214,16 +218,18 @@ impl Servo {
     /// Torque of the position loop at joint `j` with gain `gain` (N.m/rad) for an `error` (command less
     /// position, rad), and its slope over the error, N.m/rad: zero in the dead band and at the limit.
     pub fn pull(&self, j: usize, gain: f64, error: f64) -> [f64; 2] {
-        let e = error + self.offset[j];
-        let w = self.dead_band[j];
-        let beyond = e - e.clamp(-w, w);
-        let limit = self.max_torque[j];
-        let asked = gain * beyond;
-        match (beyond == 0.0 && w > 0.0, asked.abs() >= limit) {
+        let (asked, limit) = (self.asked(j, gain, error), self.max_torque[j]);
+        match (asked == 0.0 && self.dead_band[j] > 0.0, asked.abs() >= limit) {
             (true, _) => [0.0, 0.0],
             (_, true) => [asked.clamp(-limit, limit), 0.0],
             _ => [asked, gain],
         }
+    }
+
+    /// The same torque were there no limit, N.m.
+    fn asked(&self, j: usize, gain: f64, error: f64) -> f64 {
+        let (e, w) = (error + self.offset[j], self.dead_band[j]);
+        gain * (e - e.clamp(-w, w))
     }
 
     /// What the servos made of `command` (rad) where the joints were at `q` (rad) and moved with `qd`
@@ -244,10 +250,12 @@ impl Servo {
             dt,
             command,
             error: zeros(),
+            asked: zeros(),
             pull: zeros(),
             slope: zeros(),
             powered: each(&|j, k| settings.is_on(j, k)),
             gain: each(&|j, k| settings.gain(self, j, k)),
+            limit: self.max_torque.clone(),
             q: q.clone(),
             recorded: vec![true; q.samples()],
             resolution: vec![0.0; q.joints()],
@@ -266,7 +274,9 @@ impl Servo {
             let late = arrived(told.command.joint(j), self.delay[j], told.dt);
             for (k, c) in late.into_iter().enumerate() {
                 let error = c - q.joint(j)[k];
-                let [pull, slope] = self.pull(j, told.gain.joint(j)[k], error);
+                let gain = told.gain.joint(j)[k];
+                let [pull, slope] = self.pull(j, gain, error);
+                now.asked.joint_mut(j)[k] = self.asked(j, gain, error);
                 now.error.joint_mut(j)[k] = error + self.offset[j];
                 (now.pull.joint_mut(j)[k], now.slope.joint_mut(j)[k]) = (pull, slope);
             }

@@ -82,7 +82,7 @@ const SMALL: f64 = 0.05;
 const LOOP_HZ: f64 = 10.0;
 /// No rotor is lighter, kg.m2 at the joint; a joint without inertia cannot be stepped.
 const LIGHTEST: f64 = 1e-6;
-/// No servo keeps less of its assumed gain, and ten times more is a slip of units.
+/// No servo keeps less of its assumed gain or torque, and ten times more gain is a slip of units.
 const LEAST_GAIN: f64 = -0.95;
 const MOST_GAIN: f64 = 10.0;
 /// What others are read as a share of is never nothing, nor does a search begin there: a load without mass has no
@@ -145,6 +145,7 @@ fn bounds(twin: &Twin, effect: &dyn Effect, p: &Parameter, joint: usize) -> (f64
     match (effect.stands_for(), p.name) {
         (Some(DrivePart::RotorInertia), _) => (LIGHTEST, p.max),
         (_, "servo_gain_error") => (LEAST_GAIN, MOST_GAIN),
+        (_, "max_torque_error") => (LEAST_GAIN, p.max),
         // A motor brakes itself; none drives itself on.
         (_, "servo_damping") => {
             let assumed = twin.drive.servo.as_ref().map_or(0.0, |s| s.damping[joint]);

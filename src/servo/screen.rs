@@ -76,7 +76,7 @@ pub fn starts(
     let linear = Linear::new(&refits.tracks, shared, &with_tangent);
     let solved = linear.map(|linear| linear.solved(&with_tangent));
     let mut solved = solved.unwrap_or_default().into_iter();
-    let told = has_tangent.iter().map(|has| if *has { solved.next() } else { None });
+    let told = has_tangent.iter().map(|has| if *has { solved.next().flatten() } else { None });
     let told: Vec<Option<Twin>> = told.collect();
     let fitted = |other: &Other<'_>| match other.fitted {
         Some(fitted) => as_fitted(fitted, twin, other.change),
@@ -206,8 +206,8 @@ impl Linear {
     }
 
     /// Twins with values of their own beside those of all, which are where they were but for what those change: a further
-    /// fit of what stands is no merit of a change.
-    fn solved(&self, own: &[&Varied]) -> Vec<Twin> {
+    /// fit of what stands is no merit of a change. `None` where a value does nothing yet: a limit that nothing comes near.
+    fn solved(&self, own: &[&Varied]) -> Vec<Option<Twin>> {
         let mut columns = self.along.columns.clone();
         columns.row_iter_mut().zip(&self.weights).for_each(|(mut row, weight)| row *= *weight);
         let errors =
@@ -225,6 +225,9 @@ impl Linear {
         let of = |varied: &&Varied| {
             let begin = end;
             end += varied.free.len();
+            if (begin..end).any(|i| gram[(i, i)] == 0.0) {
+                return None;
+            }
             let at: Vec<usize> = all.iter().copied().chain(begin..end).collect();
             let begun = |own: Vec<Free>| {
                 let free: Vec<Free> = shared.iter().copied().chain(own).collect();
@@ -235,7 +238,7 @@ impl Linear {
             };
             let first = begun(varied.free.clone());
             // What is expected of a load's moments follows from its mass.
-            begun(varied.free.iter().map(|f| f.near_start(&first)).collect())
+            Some(begun(varied.free.iter().map(|f| f.near_start(&first)).collect()))
         };
         own.iter().map(of).collect()
     }

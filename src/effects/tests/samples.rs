@@ -60,9 +60,10 @@ pub fn pendulum() -> Robot {
     arm
 }
 
-/// Servos told to be 0.1 rad ahead and to go on at 0.5 rad/s; they are off in the first samples of many.
+/// Servos of 5 N.m told to be 0.1 rad ahead and to go on at 0.5 rad/s; they are off in the first samples of many.
 fn told(q: &JointSeries, qd: &JointSeries) -> Told {
-    let servo = Servo::new(vec![20.0; q.joints()]);
+    let mut servo = Servo::new(vec![20.0; q.joints()]);
+    servo.max_torque.fill(5.0);
     let ahead = |q: &[f64]| -> Vec<f64> {
         q.iter().enumerate().map(|(k, q)| q + 0.1 + 0.5 * DT * k as f64).collect()
     };
@@ -82,7 +83,7 @@ pub struct Samples {
     pub qd: JointSeries,
     pub qdd: JointSeries,
     pub temperature: JointSeries,
-    /// What servos of 20 N.m/rad were told; at first without power.
+    /// What servos of 20 N.m/rad and 5 N.m were told; at first without power.
     pub told: Told,
 }
 

@@ -153,15 +153,16 @@ fn velocity(inspection: &Inspection) -> Vec<String> {
         let (Some(correlation), Some(slope)) = (m.velocity_correlation, m.velocity_slope) else {
             continue;
         };
-        let what = if correlation < ALIKE {
-            format!("correlates by {correlation:.3} only")
-        } else if (slope - 1.0).abs() > SLOPE_OFF {
-            format!("is {slope:.3} times as large")
-        } else {
+        let unlike = (correlation < ALIKE).then(|| format!("correlates by {correlation:.3} only"));
+        let other =
+            ((slope - 1.0).abs() > SLOPE_OFF).then(|| format!("is {slope:.3} times as large"));
+        let what: Vec<String> = unlike.into_iter().chain(other).collect();
+        if what.is_empty() {
             continue;
-        };
+        }
+        let what = what.join(" and ");
         found.push(format!(
-            "joint {}: actual_qd {what} with the differentiated actual_q: one of them is not what \
+            "joint {}: actual_qd {what}, beside the differentiated actual_q: one of them is not what \
              it says (unit, joint order, sign or filter)",
             m.joint
         ));
