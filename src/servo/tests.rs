@@ -1,6 +1,7 @@
 //! The stepper beside rapier, and values that come back through it.
 
 mod columns;
+mod limits;
 
 use super::fit::weigh;
 use super::folds::{Folds, Halved};
