@@ -67,7 +67,7 @@ pub fn diagnose(
         (decided.before_rad, decided.after_rad) = (before.mean_rad(), left.mean_rad());
         if !taken.is_empty() {
             let of_both = Refits::new(twin, both.iter().collect(), watch)?;
-            told = of_both.all(&mended[0], &taken)?;
+            told = of_both.all(folds.nearer(&mended)?, &taken)?;
             alone = refits.close(&told.twin, &taken)?;
         }
         Ok(stand)

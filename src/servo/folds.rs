@@ -113,6 +113,18 @@ impl<'a> Folds<'a> {
         Ok(first?.beside(second?))
     }
 
+    /// The one of two twins that leaves less of both recordings, whole: where one half hardly tells a value the other may.
+    ///
+    /// # Errors
+    /// If a twin cannot be simulated.
+    pub fn nearer<'t>(&self, twins: &'t Twins) -> Result<&'t Twin, ServoError> {
+        let left = |k: usize| -> Result<f64, ServoError> {
+            let Fold { own, against, .. } = &self.folds[k];
+            own.iter().chain(against).map(|part| Ok(part.left_as_is(&twins[k])?.ln())).sum()
+        };
+        Ok(if left(1)? < left(0)? { &twins[1] } else { &twins[0] })
+    }
+
     /// Of each fold and its twin.
     ///
     /// # Errors
