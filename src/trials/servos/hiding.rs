@@ -114,9 +114,12 @@ impl Hiding {
         };
         let mut x = (0.01 * high).clamp(low, high);
         let mut effect = with(x)?;
+        // The largest that was too weak and the smallest that was too strong.
+        let mut between = [None, None];
         for _ in 0..SEARCHED {
             let ratio = wanted.unwrap_or(1.0) / effect.strength.reached().max(1e-6);
-            let next = (x * ratio.clamp(0.02, 50.0)).clamp(low, high);
+            between[usize::from(ratio < 1.0)] = Some(x);
+            let next = next(between, x * ratio.clamp(0.02, 50.0)).clamp(low, high);
             if WITHIN.contains(&ratio) || next == x {
                 break;
             }
@@ -147,6 +150,14 @@ impl Hiding {
         };
         let Experiment { fit, check, .. } = &self.made;
         Ok([run(&self.hides, fit, 0)?, run(&self.hides, check, 1)?, run(&sharp, &self.third, 2)?])
+    }
+}
+
+/// `wanted`, or halfway (by factors) between what was too weak and too strong, where it lies beyond these: what sets in all at once.
+fn next(between: [Option<f64>; 2], wanted: f64) -> f64 {
+    match between {
+        [Some(weak), Some(strong)] if !(weak < wanted && wanted < strong) => (weak * strong).sqrt(),
+        _ => wanted,
     }
 }
 
