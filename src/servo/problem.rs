@@ -185,7 +185,7 @@ impl Residuals for Problem<'_> {
 
 impl Problem<'_> {
     /// How residuals change, which are `r`, from how errors do.
-    pub(super) fn counted_columns(&self, columns: Vec<Vec<f64>>, r: &[f64]) -> Vec<Vec<f64>> {
+    fn counted_columns(&self, columns: Vec<Vec<f64>>, r: &[f64]) -> Vec<Vec<f64>> {
         let counted = |column: Vec<f64>| {
             let mut column = self.weighted(column);
             if self.is_robust {

@@ -12,7 +12,7 @@ use super::ServoError;
 use super::folds::{Folds, Twins};
 use super::refit::is_at_bound;
 use super::screen::{Other, starts};
-use super::sizes::{Sizes, as_little};
+use super::sizes::{Sizes, is_more};
 use crate::diagnosis::{Change, Offer, Settings, Stands};
 
 /// Fits of changes to halves of two recordings, and the other halves, which a change has to hold against.
@@ -263,10 +263,10 @@ impl Sieve<'_> {
     fn nearest<'a>(&self, before: &Sizes, mut tried: Vec<&'a Tried>) -> Vec<&'a Tried> {
         let all = tried.iter().map(|t| &t.left);
         let Some(nearest) = all.min_by(|a, b| a.ln().total_cmp(&b.ln())) else { return tried };
-        let inexact = self.settings.criteria.least_gain_inexact;
-        let most = as_little(before.ln(), nearest.ln(), inexact);
-        let is_near =
-            |sizes: &Sizes| sizes.ln() <= most || !nearest.are_nearer(sizes, 1, self.settings);
+        let is_near = |sizes: &Sizes| {
+            let gains = [sizes, before].map(|sizes| sizes.ln() - nearest.ln());
+            !self.is_more_than_inexact(gains, 1.0) || !nearest.are_nearer(sizes, 1, self.settings)
+        };
         tried.retain(|t| is_near(&t.left));
         tried
     }
@@ -283,11 +283,10 @@ impl Sieve<'_> {
         with.are_nearer(without, among, self.settings) && self.is_more_than_inexact(gains, 1.0)
     }
 
-    /// Is what a change takes off more than the share, or `part` of it, of `all` that is taken off with it to which no law is exact?
-    fn is_more_than_inexact(&self, [gain, all]: [f64; 2], part: f64) -> bool {
-        let inexact = part * self.settings.criteria.least_gain_inexact;
-        // Where a twin runs away without, what is taken off is no measure.
-        gain > if all.is_finite() { inexact * all } else { 0.0 }
+    /// Is the first of two gains, of a change and of all that is taken off with it, more than the share of the second, or `part` of it,
+    /// to which no law is exact?
+    fn is_more_than_inexact(&self, gains: [f64; 2], part: f64) -> bool {
+        is_more(part * self.settings.criteria.least_gain_inexact, gains)
     }
 }
 

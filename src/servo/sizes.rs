@@ -110,11 +110,10 @@ impl Sizes {
     }
 }
 
-/// The most that is as little as `least`, where `without` is left without a change, all of them logarithms ([`Sizes::ln`]): the
-/// share `inexact` of what is taken off is none. Where a twin runs away without, what is taken off is no measure.
-pub fn as_little(without: f64, least: f64, inexact: f64) -> f64 {
-    let gain = without - least;
-    least + if gain.is_finite() { inexact * gain } else { 0.0 }
+/// Is a `gain` more than this share of `all`, both differences of logarithms ([`Sizes::ln`])? Where a twin runs away without what is
+/// asked about, what is taken off is no measure, and any gain is more.
+pub fn is_more(share: f64, [gain, all]: [f64; 2]) -> bool {
+    gain > if all.is_finite() { share * all } else { 0.0 }
 }
 
 /// Share of a square that is taken off.
@@ -157,9 +156,10 @@ mod tests {
     }
 
     #[test]
-    fn as_little_is_to_within_a_share_of_what_is_taken_off() {
-        assert!((as_little(-10.0, -12.0, 0.1) + 11.8).abs() < 1e-12);
-        assert_eq!(as_little(f64::INFINITY, -12.0, 0.1), -12.0, "it ran away");
+    fn more_is_beyond_a_share_of_what_is_taken_off() {
+        assert!(is_more(0.1, [0.2 + 1e-12, 2.0]) && !is_more(0.1, [0.2 - 1e-12, 2.0]));
+        let away = f64::INFINITY;
+        assert!(is_more(0.1, [away, away]) && !is_more(0.1, [0.0, away]), "it ran away");
     }
 
     #[test]
