@@ -6,9 +6,10 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::motion::{Kind, Settings};
-use crate::simulation::{ControllerSettings, Noise, Quantisation, Scenario};
+use crate::recording::Recording;
+use crate::simulation::{ControllerSettings, Noise, Quantisation, Run, Scenario, Setup};
 use crate::trials::case::ROBOT;
-use crate::twin::{DriveTable, PerJoint, ServoTable};
+use crate::twin::{DriveTable, PerJoint, ServoTable, Twin};
 
 /// A desk arm of six servos, as large as those that robot-learning data sets are recorded on.
 pub const URDF: &str = include_str!("../../../scenarios/robots/desk_arm.urdf");
@@ -68,4 +69,21 @@ pub fn arm(duration_s: f64, rng: &mut ChaCha8Rng) -> Scenario {
         effects: friction.map(table).into(),
         ..Scenario::default()
     }
+}
+
+/// A simulation begins where its command does, and the arm sags from there to where its servos hold it, s.
+const SETTLED_S: f64 = 0.3;
+
+/// What the owner of the arm knows. Servos that look at their error now and then are late by half that time.
+pub fn twin(setup: &Setup) -> Twin {
+    let mut drive = setup.drive.clone();
+    if let Some(servo) = &mut drive.servo {
+        servo.delay.iter_mut().for_each(|d| *d += 0.5 / setup.controller.rate_hz);
+    }
+    Twin { source: ROBOT.into(), robot: setup.robot.clone(), drive, ..Twin::default() }
+}
+
+/// What is kept of a run.
+pub fn settled(run: &Run) -> Recording {
+    run.recording.between(Some(SETTLED_S), None)
 }

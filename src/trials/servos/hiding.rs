@@ -3,12 +3,11 @@
 use rand_chacha::ChaCha8Rng;
 
 use super::arm::{SCALE, URDF, arm};
-use super::position::Plain;
+use super::position::{Plain, sharp};
 use crate::motion::Trajectory;
 use crate::robot::{Chain, inverse_dynamics_series, urdf};
 use crate::simulation::{
-    Command, Experiment, Injection, Moved, Noise, Quantisation, Run, Scenario, Setup, Simulation,
-    SimulationError,
+    Command, Experiment, Injection, Moved, Run, Scenario, Setup, Simulation, SimulationError,
 };
 use crate::trials::asked::Draw;
 use crate::trials::drawn::inject;
@@ -48,10 +47,9 @@ impl Hiding {
     ) -> Result<Self, TrialError> {
         let scenario = arm(how.duration_s, rng);
         let made = on_desk(&scenario).map_err(|e| TrialError::Usage(format!("{case}: {e}")))?;
-        let ran_away = |source| TrialError::Simulation { case: case.into(), source };
         let plain = match plan.effects.is_empty() {
             true => None,
-            false => Some(Plain::new(&made).map_err(ran_away)?),
+            false => Some(Plain::new(case, &made)?),
         };
         let third = third::motion(&scenario.motion, how.duration_s, &made.setup.robot)
             .map_err(|e| TrialError::Usage(format!("{case}: {e}")))?;
@@ -60,7 +58,7 @@ impl Hiding {
         for (name, wanted) in &plan.effects {
             let shape = hiding.shape(name, rng)?;
             let Some(plain) = &plain else { continue };
-            let effect = hiding.sized(&shape, *wanted, plain).map_err(ran_away)?;
+            let effect = hiding.sized(&shape, *wanted, plain)?;
             inject(&mut hiding.hides, &effect.injection, effect.replaces_coulomb);
             hiding.effects.push(effect);
         }
@@ -95,7 +93,7 @@ impl Hiding {
         shape: &Shape,
         wanted: Option<f64>,
         plain: &Plain,
-    ) -> Result<Effect, SimulationError> {
+    ) -> Result<Effect, TrialError> {
         let with = |x: f64| {
             let injection = shape.sized(x);
             let mut setup = self.made.setup.clone();
@@ -140,11 +138,7 @@ impl Hiding {
     /// # Errors
     /// If the arm runs away.
     pub fn simulate(&self) -> Result<[Run; 3], SimulationError> {
-        let sharp = Setup {
-            noise: Noise::default(),
-            quantisation: Quantisation::default(),
-            ..self.hides.clone()
-        };
+        let sharp = sharp(&self.hides);
         let run = |setup: &Setup, command: &dyn Command, number: u64| {
             Simulation::new(setup)?.run(command, self.made.seed, number, &mut |_| true)
         };

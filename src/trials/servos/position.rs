@@ -1,58 +1,85 @@
 //! How much of an effect can be seen: what it changes in the position, over the position's noise.
+//!
+//! What other friction would change as well cannot be seen: a servo that does nothing about small errors lags as one with more
+//! friction does, where no weight hangs on its joint. So friction is fitted by simulation, as an answerer does.
 
-use super::arm::position_noise;
-use crate::regression::qr::{Qr, unexplained};
+use super::arm::{position_noise, settled, twin};
+use crate::diagnosis::conditioning;
+use crate::recording::Recording;
 use crate::series::JointSeries;
-use crate::simulation::{Experiment, Setup, Simulation, SimulationError};
-use crate::trials::Strength;
+use crate::servo::{ServoError, Track, open_fitted, replay};
+use crate::signals::condition;
+use crate::simulation::{Experiment, Noise, Quantisation, Setup, Simulation};
 use crate::trials::strength::rms;
+use crate::trials::{Strength, TrialError};
+use crate::twin::Twin;
 
-/// Friction that an answerer fits, and by how much it is varied to see what it does.
-const FITTED: [&str; 2] = ["coulomb", "viscous"];
-const VARIED_BY: f64 = 0.1;
-
-/// Positions of the arm along its fit motion without what is hidden, and what more friction changes in them.
+/// Positions of the arm along its fit motion without what is hidden, as encoders without noise and steps would show them.
 pub struct Plain {
+    case: String,
+    twin: Twin,
+    seen: Seen,
+}
+
+/// Positions, and what a twin with friction fitted to them is off, rad.
+struct Seen {
     q: JointSeries,
-    by_friction: Vec<JointSeries>,
+    left: JointSeries,
 }
 
 impl Plain {
     /// # Errors
     /// If the arm runs away.
-    pub fn new(made: &Experiment) -> Result<Self, SimulationError> {
-        let q = positions(&made.setup, made)?;
-        let varied = |name: &&str| {
-            let mut setup = made.setup.clone();
-            let own = setup.effects.iter_mut().filter(|i| i.effect.about().name == *name);
-            own.flat_map(|i| &mut i.values).for_each(|row| row[0] *= 1.0 + VARIED_BY);
-            Ok::<_, SimulationError>(difference(&positions(&setup, made)?, &q))
-        };
-        let by_friction = FITTED.iter().map(varied).collect::<Result<_, _>>()?;
-        Ok(Self { q, by_friction })
+    pub fn new(case: &str, made: &Experiment) -> Result<Self, TrialError> {
+        let twin = twin(&made.setup);
+        let seen = Seen::new(&twin, &run(case, &made.setup, made)?)?;
+        Ok(Self { case: case.into(), twin, seen })
     }
 
     /// Strength of what changes the arm to `setup`.
     ///
     /// # Errors
     /// If the arm runs away.
-    pub fn strength(&self, setup: &Setup, made: &Experiment) -> Result<Strength, SimulationError> {
-        let own = difference(&positions(setup, made)?, &self.q);
-        let per_joint = |of: &dyn Fn(usize, &[f64]) -> f64| {
-            (0..own.joints()).map(|j| of(j, own.joint(j)) / position_noise()).collect()
-        };
-        let gap = |j: usize, own: &[f64]| {
-            let columns = self.by_friction.iter().map(|s| s.joint(j).to_vec()).collect();
-            rms(&unexplained(&Qr::new(columns).q, own.to_vec()))
-        };
-        Ok(Strength { drawn: None, own: per_joint(&|_, own| rms(own)), gap: per_joint(&gap) })
+    pub fn strength(&self, setup: &Setup, made: &Experiment) -> Result<Strength, TrialError> {
+        let seen = Seen::new(&self.twin, &run(&self.case, setup, made)?)?;
+        let own = over_noise(&seen.q, &self.seen.q);
+        Ok(Strength { drawn: None, own, gap: over_noise(&seen.left, &self.seen.left) })
     }
 }
 
-/// rad, as encoders without noise and steps would show them.
-fn positions(setup: &Setup, made: &Experiment) -> Result<JointSeries, SimulationError> {
-    let run = Simulation::new(setup)?.run(&made.fit, made.seed, 0, &mut |_| true)?;
-    Ok(run.shown.q)
+impl Seen {
+    fn new(twin: &Twin, recording: &Recording) -> Result<Self, TrialError> {
+        let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
+        let dof = twin.robot.dof();
+        let samples = condition(recording, &twin.drive, dof, &conditioning(recording, dof))?;
+        let track = Track::new(&samples, servo)?;
+        let follows = |twin: &Twin| replay(twin, &track, &track.stretches(f64::INFINITY));
+        let simulated = match open_fitted(twin, &track, &()).and_then(|fitted| follows(&fitted)) {
+            // No friction takes that up.
+            Err(ServoError::Diverged { .. }) => follows(twin),
+            fitted => fitted,
+        }?;
+        Ok(Self { left: difference(&simulated, &track.q), q: track.q })
+    }
+}
+
+fn run(case: &str, setup: &Setup, made: &Experiment) -> Result<Recording, TrialError> {
+    let ran_away = |source| TrialError::Simulation { case: case.into(), source };
+    let sharp = sharp(setup);
+    let mut simulation = Simulation::new(&sharp).map_err(ran_away)?;
+    let run = simulation.run(&made.fit, made.seed, 0, &mut |_| true).map_err(ran_away)?;
+    Ok(settled(&run))
+}
+
+/// With encoders without noise and steps.
+pub fn sharp(setup: &Setup) -> Setup {
+    Setup { noise: Noise::default(), quantisation: Quantisation::default(), ..setup.clone() }
+}
+
+/// Root mean square of a difference, joint by joint, over the noise of positions.
+fn over_noise(a: &JointSeries, b: &JointSeries) -> Vec<f64> {
+    let differ = difference(a, b);
+    (0..differ.joints()).map(|j| rms(differ.joint(j)) / position_noise()).collect()
 }
 
 fn difference(a: &JointSeries, b: &JointSeries) -> JointSeries {

@@ -2,28 +2,15 @@
 
 use std::path::Path;
 
-use super::arm::{URDF, position_noise};
+use super::arm::{URDF, position_noise, settled, twin};
 use super::hiding::Hiding;
 use crate::recording::write_csv;
-use crate::simulation::{Run, Setup};
+use crate::simulation::Run;
 use crate::trials::asked::Draw;
 use crate::trials::case::{CHECK, FIT, ROBOT, TWIN, new_folder, write_settings, write_text};
 use crate::trials::drawn::{told, truth};
 use crate::trials::plan::Plan;
 use crate::trials::{TrialError, Truth, seal, third};
-use crate::twin::Twin;
-
-/// A simulation begins where its command does, and the arm sags from there to where its servos hold it, s.
-const SETTLED_S: f64 = 0.3;
-
-/// What the owner of the arm knows. Servos that look at their error now and then are late by half that time.
-fn twin(setup: &Setup) -> Twin {
-    let mut drive = setup.drive.clone();
-    if let Some(servo) = &mut drive.servo {
-        servo.delay.iter_mut().for_each(|d| *d += 0.5 / setup.controller.rate_hz);
-    }
-    Twin { source: ROBOT.into(), robot: setup.robot.clone(), drive, ..Twin::default() }
-}
 
 pub fn write(
     how: &Draw,
@@ -36,7 +23,6 @@ pub fn write(
 ) -> Result<(), TrialError> {
     let folder = out.join(name);
     new_folder(&folder)?;
-    let settled = |run: &Run| run.recording.between(Some(SETTLED_S), None);
     for (run, file) in [(fit, FIT), (check, CHECK)] {
         write_csv(&settled(run), &folder.join(file))?;
     }
