@@ -34,9 +34,17 @@ pub struct Position {
     /// 1 - after^2 / before^2.
     pub fraction: f64,
     pub cross_validated: CrossValidated,
+    /// How many times wider intervals are than errors of the fits say: as many times as what each recording says by itself differs
+    /// from the other more than those do (Birge, Phys. Rev. 40, 1932); 1 where it does not.
+    #[serde(default = "as_they_are")]
+    pub birge_ratio: f64,
     pub joints: Vec<JointPositionShrink>,
     /// What each cause takes off when it is added to all the others.
     pub causes: Vec<PositionShrink>,
+}
+
+fn as_they_are() -> f64 {
+    1.0
 }
 
 /// Mean size of the position error over all joints of both recordings (cross-validation in two folds): each twin was fitted to every

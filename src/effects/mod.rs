@@ -138,9 +138,14 @@ impl Parameter {
         self.name.ends_with("_reference")
     }
 
+    /// Is it the shape of a curve? The ends of its range are laws of their own.
+    pub fn is_shape(&self) -> bool {
+        self.name.ends_with("_exponent")
+    }
+
     /// The value where a file leaves it out: references, the shapes of curves and how a load is spread may be.
     pub fn left_out(&self) -> Option<f64> {
-        let usual = self.is_reference() || self.name.ends_with("_exponent");
+        let usual = self.is_reference() || self.is_shape();
         usual.then_some(self.typical).or(self.is_detail().then_some(self.null))
     }
 

@@ -136,13 +136,13 @@ fn orders(motion: &Motion<'_>, joint: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::tables::ur5::TABLE;
     use crate::series::JointSeries;
-    use crate::twin::Twin;
 
     /// At 1 rad/s a low-pass at 8 Hz follows 50 waves a turn.
     #[test]
     fn orders_are_those_that_are_followed_and_those_of_the_motor() {
-        let robot = Twin::default().robot;
+        let robot = TABLE.robot();
         let q: Vec<f64> = (0..2000).map(|k| 2.0 * (0.5 * 0.01 * f64::from(k)).sin()).collect();
         let q = JointSeries::from_joints(&vec![q; robot.dof()]);
         let qd = q.map_joints(|_, q| vec![1.0; q.len()]);

@@ -10,6 +10,7 @@ use super::fit::Fit;
 use super::folds::{Folds, Halved};
 use super::judge::prove;
 use super::refit::{Refits, Refitted};
+use super::scatter::{birge_ratio, widen};
 use super::sift::{Sieve, Sifted};
 use super::{Free, ServoError, Settings, Track, free_parameters, linearised};
 use crate::diagnosis::{self, CrossValidated, Diagnosis, Offer, Traces, diagnose_proved};
@@ -59,6 +60,7 @@ pub fn diagnose(
     let folds = Folds::new(twin, &halved, watch)?;
     let mut decided = CrossValidated::default();
     let (mut taken, mut alone) = (Vec::new(), refits.before.clone());
+    let mut wider = 1.0;
     let mut told = Refitted { twin: alone.clone(), estimates: Vec::new() };
     let mut proof = |offers: &[Offer]| {
         let sieve = Sieve { folds: &folds, settings };
@@ -69,13 +71,17 @@ pub fn diagnose(
             let of_both = Refits::new(twin, both.iter().collect(), watch)?;
             told = of_both.all(folds.nearer(&mended)?, &taken)?;
             alone = refits.close(&told.twin, &taken)?;
+            let by_fit = refits.as_is(&alone, &taken)?;
+            let by_check = of_both.by(check_track).all(&told.twin, &taken)?;
+            wider = birge_ratio([&by_fit.estimates, &by_check.estimates]);
+            widen(&mut told.estimates, wider);
         }
         Ok(stand)
     };
     watch.tell(diagnosis::SEARCHING, 0, 0);
     let (mut diagnosis, traces) =
         diagnose_proved(twin, &seen_fit?, &seen_check?, settings, &mut proof, watch)?;
-    let held = (check_track, decided);
+    let held = (check_track, decided, wider);
     let led = [&refits.before, &alone];
     let simulated = prove(&mut diagnosis, twin, led, (&taken, &told), held)?;
     Ok(Found { diagnosis, traces, simulated })

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::gap::PositionGap;
 use super::parameters::{Free, with_values};
 use super::problem::Problem;
-use super::{ServoError, Track, replay};
+use super::{ServoError, Track, loss, replay};
 use crate::effects::of_drive;
 use crate::follow::{Watch, go_on, stoppable};
 use crate::identification::levenberg_marquardt::{self as minimiser, Residuals, Stop};
@@ -39,6 +39,8 @@ pub struct Estimate {
     /// From 1; none for one of the whole arm.
     pub joint: Option<usize>,
     pub value: f64,
+    #[serde(skip)]
+    pub standard_error: f64,
     pub low: f64,
     pub high: f64,
     /// Probability of such data if the effect is not there, where there is such a value.
@@ -46,6 +48,9 @@ pub struct Estimate {
     pub at_bound: bool,
     /// Do these recordings tell it?
     pub identifiable: bool,
+    /// Where it was searched.
+    #[serde(skip)]
+    pub range: [f64; 2],
 }
 
 /// What came of it.
@@ -142,7 +147,7 @@ impl Fit {
     }
 }
 
-/// What the recordings say of values as they are, whatever was expected.
+/// What the recordings say of values as fits for a diagnosis have them ([`Fit`]), whatever was expected.
 ///
 /// # Errors
 /// As [`identify`].
@@ -153,6 +158,7 @@ pub fn told(
     settings: &Settings,
 ) -> Result<Vec<Estimate>, ServoError> {
     let mut problem = posed(twin, tracks, free, settings)?;
+    problem.is_robust = true;
     let x = starts(free);
     problem.weights = weights(&problem, &problem.errors(&x));
     estimates(&mut problem, &x, settings)
@@ -275,14 +281,16 @@ fn estimates(
     settings: &Settings,
 ) -> Result<Vec<Estimate>, ServoError> {
     problem.with_priors = false;
-    problem.is_robust = false;
+    let is_robust = std::mem::replace(&mut problem.is_robust, false);
     let free = problem.free;
     let bounds = Bounds::unbounded(x.len());
     let mut r = vec![0.0; problem.count()];
     problem.residuals(x, &mut r);
     let columns = problem.jacobian(x, &r, &bounds);
-    let jacobian = DMatrix::from_fn(r.len(), x.len(), |i, j| columns[j][i]);
-    let measured: Vec<f64> = r.iter().map(|r| -r).collect();
+    let counts = |u: &f64| if is_robust { loss::linearised(*u) } else { (*u, 1.0) };
+    let (measured, scale): (Vec<f64>, Vec<f64>) =
+        r.iter().map(counts).map(|(u, scale)| (-u, scale)).unzip();
+    let jacobian = DMatrix::from_fn(r.len(), x.len(), |i, j| scale[i] * columns[j][i]);
     let null: Vec<f64> = free
         .iter()
         .map(|f| if f.parameter.null.is_finite() { f.parameter.null } else { 0.0 })
@@ -296,12 +304,14 @@ fn estimates(
             unit: f.parameter.unit,
             joint: f.joint.map(|j| j + 1),
             value: x[i],
+            standard_error: robust.standard_error,
             low: robust.low,
             high: robust.high,
             p: robust.p,
             at_bound: f.is_bound(x[i]),
             // As by torque: what may be anything in the range it was searched in is not told.
             identifiable: found.design.is_determined(i) && robust.high - robust.low < f.max - f.min,
+            range: [f.min, f.max],
         }
     };
     Ok(free.iter().enumerate().map(one).collect())

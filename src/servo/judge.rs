@@ -12,7 +12,7 @@ use crate::diagnosis::{
     By, Cause, Change, CrossValidated, Diagnosis, JointPositionShrink, Position, PositionShrink,
     SimulationShrink, Value, Verdict,
 };
-use crate::effects::{Size, find};
+use crate::effects::find;
 use crate::series::JointSeries;
 use crate::twin::Twin;
 
@@ -27,7 +27,7 @@ pub fn prove(
     twin: &Twin,
     [before, after]: [&Twin; 2],
     (changes, told): (&[Change], &Refitted),
-    (track, decided): (&Track, CrossValidated),
+    (track, decided, birge_ratio): (&Track, CrossValidated, f64),
 ) -> Result<Vec<JointSeries>, ServoError> {
     keep_open(&mut diagnosis.fitted_before, twin, before);
     keep_open(&mut diagnosis.fitted, twin, &told.twin);
@@ -51,7 +51,7 @@ pub fn prove(
         Ok(PositionShrink { effect, joints, before_rad, after_rad: rms, fraction })
     };
     let causes = diagnosis.causes.par_iter().map(without).collect::<Result<_, _>>()?;
-    put(diagnosis, &gaps, decided, causes);
+    put(diagnosis, &gaps, (decided, birge_ratio), causes);
     Ok(vec![q_before, q_after])
 }
 
@@ -72,7 +72,7 @@ fn keep_cause(cause: &mut Cause, twin: &Twin, estimates: &[Estimate]) {
         let joint = value.joint.or(first);
         let own = |e: &&Estimate| e.name == value.name && (e.joint.is_none() || e.joint == joint);
         let Some(found) = estimates.iter().find(own) else { continue };
-        (value.value, [value.low, value.high]) = (found.value, within_range(found, twin));
+        (value.value, [value.low, value.high]) = (found.value, interval(found));
         value.at_bound = found.at_bound;
         if let Some(effect) = find(&cause.effect).filter(|_| !replaces) {
             let joint = found.joint.map_or(0, |joint| joint - 1);
@@ -81,17 +81,9 @@ fn keep_cause(cause: &mut Cause, twin: &Twin, estimates: &[Estimate]) {
     }
 }
 
-/// The interval of a value; what the recordings do not tell may be anything in its range.
-fn within_range(found: &Estimate, twin: &Twin) -> [f64; 2] {
-    let about = find(found.effect).map(|e| e.about());
-    let own = about.and_then(|a| a.parameters.iter().find(|p| p.name == found.name));
-    let Some(range) = own.map(|p| p.on(&Size::of(&twin.robot).laden())) else {
-        return [found.low, found.high];
-    };
-    match found.identifiable {
-        true => [found.low, found.high],
-        false => [range.min.min(found.value), range.max.max(found.value)],
-    }
+/// The interval of a value; what the recordings do not tell may be anything that was searched.
+fn interval(found: &Estimate) -> [f64; 2] {
+    if found.identifiable { [found.low, found.high] } else { found.range }
 }
 
 fn shift(value: &mut Value, by: f64) {
@@ -103,7 +95,7 @@ fn shift(value: &mut Value, by: f64) {
 fn put(
     diagnosis: &mut Diagnosis,
     [before, after]: &[PositionGap; 2],
-    cross_validated: CrossValidated,
+    (cross_validated, birge_ratio): (CrossValidated, f64),
     causes: Vec<PositionShrink>,
 ) {
     let joint = |(b, a): (&super::JointPosition, &super::JointPosition)| JointPositionShrink {
@@ -123,8 +115,15 @@ fn put(
     diagnosis.by = By::Simulation;
     diagnosis.shrink.simulation =
         Some(SimulationShrink { before_rad, after_rad, fraction, ..SimulationShrink::default() });
-    diagnosis.position =
-        Some(Position { before_rad, after_rad, fraction, cross_validated, joints, causes });
+    diagnosis.position = Some(Position {
+        before_rad,
+        after_rad,
+        fraction,
+        cross_validated,
+        birge_ratio,
+        joints,
+        causes,
+    });
 }
 
 /// Share of a mean square that is taken off between two root mean squares.

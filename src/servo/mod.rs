@@ -21,6 +21,7 @@ mod plant;
 mod problem;
 mod refit;
 mod replay;
+mod scatter;
 mod screen;
 mod sift;
 mod sizes;

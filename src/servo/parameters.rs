@@ -51,9 +51,9 @@ impl Free {
         stated(twin, self.effect, self.parameter.name, self.joint.unwrap_or(0))
     }
 
-    /// By how much a value is another where a difference is taken, inside its range.
-    pub(super) fn step(&self, value: f64, most: f64) -> f64 {
-        let size = RELATIVE_STEP * value.abs().max(SMALL * self.usual().min(1.0));
+    /// By how much a value is another where a difference is taken, a `share` of it, inside its range.
+    pub(super) fn step(&self, value: f64, most: f64, share: f64) -> f64 {
+        let size = share * value.abs().max(SMALL * self.usual().min(1.0));
         if value + size > most { -size } else { size }
     }
 
@@ -75,8 +75,10 @@ impl Free {
     }
 }
 
-/// Step of a difference: this share of the value, or of what the parameter usually is where it is small.
-const RELATIVE_STEP: f64 = 1e-5;
+/// Steps of differences, as shares of the value, or of what the parameter usually is where it is small: of what a step of the arm gives,
+/// and of what a simulation gives. Teeth meet a step sooner or later, so that errors go up and down by what is no slope.
+pub(super) const FINE: f64 = 1e-5;
+pub(super) const COARSE: f64 = 1e-2;
 const SMALL: f64 = 0.05;
 /// A servo's loop swings so fast, Hz: the inertia a search begins with follows from that and its gain.
 const LOOP_HZ: f64 = 10.0;
@@ -90,7 +92,7 @@ const MOST_GAIN: f64 = 10.0;
 const LEAST_SHARE: f64 = 1e-4;
 const FIRST_SHARE: f64 = 1e-2;
 
-/// Parameters of these effects at all joints, references and shapes left as they are; the search begins
+/// Parameters of these effects at all joints, references and what a search has left as they are; the search begins
 /// at what the twin says, else where the effect vanishes.
 ///
 /// # Errors
@@ -106,10 +108,8 @@ pub fn free_parameters(twin: &Twin, effects: &[String]) -> Result<Vec<Free>, Ser
             Scope::Arm => vec![None],
             _ => (0..twin.robot.dof()).map(Some).collect(),
         };
-        let is_shape = |p: &Parameter| {
-            p.is_reference() || p.name.ends_with("_exponent") || effect.kept().contains(&p.name)
-        };
-        let searched = |p: &&Parameter| !p.is_detail() && !is_shape(p);
+        let is_kept = |p: &Parameter| p.is_reference() || effect.kept().contains(&p.name);
+        let searched = |p: &&Parameter| !p.is_detail() && !is_kept(p);
         for joint in joints {
             for parameter in about.parameters.iter().filter(searched) {
                 // Bodies and what joins them grow with the arm; any servo may sit at a joint.

@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::parameters::{Free, with_values};
+use super::parameters::{COARSE, FINE, Free, with_values};
 use super::replay::lead;
 use super::tangent::Tangent;
 use super::{Plant, Track, loss};
@@ -175,10 +175,9 @@ impl Residuals for Problem<'_> {
     }
 
     fn jacobian(&self, x: &[f64], r: &[f64], bounds: &Bounds) -> Vec<Vec<f64>> {
-        let steps = self.steps(x, bounds);
-        match self.tangents(x, &steps) {
+        match self.tangents(x, &self.steps(x, bounds, FINE)) {
             Some(columns) => self.counted_columns(columns, r),
-            None => self.expecting(self.differences(x, r, &steps)),
+            None => self.expecting(self.differences(x, r, &self.steps(x, bounds, COARSE))),
         }
     }
 }
@@ -206,9 +205,9 @@ impl Problem<'_> {
         columns
     }
 
-    /// Steps of differences by the values.
-    pub(super) fn steps(&self, x: &[f64], bounds: &Bounds) -> Vec<f64> {
-        (0..x.len()).map(|i| self.free[i].step(x[i], bounds.upper(i))).collect()
+    /// Steps of differences by the values, as shares of them.
+    pub(super) fn steps(&self, x: &[f64], bounds: &Bounds, share: f64) -> Vec<f64> {
+        (0..x.len()).map(|i| self.free[i].step(x[i], bounds.upper(i), share)).collect()
     }
 
     /// How errors change with each value, by the tangent of the simulation, where it has one; columns of what cannot be

@@ -40,6 +40,16 @@ impl<'a> Refits<'a> {
         Ok(refits)
     }
 
+    /// Fits to one recording, beginning with the same.
+    pub fn by(&self, track: &'a Track) -> Self {
+        Self {
+            twin: self.twin,
+            tracks: vec![track],
+            watch: self.watch,
+            before: self.before.clone(),
+        }
+    }
+
     /// `start`, which has `changes` and one more, with the values of that one fitted, about, and all others as they are.
     ///
     /// # Errors
@@ -240,12 +250,13 @@ pub fn open_fitted(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, 
     Ok(Refits::new(twin, vec![fit], watch)?.before)
 }
 
-/// Has a change that was fitted a value at the end of its range?
+/// Has a change that was fitted a value at the end of its range, beyond which it would be another effect?
 ///
 /// # Errors
 /// If the change has no parameters that can be fitted.
 pub fn is_at_bound(fitted: &Twin, change: &Change) -> Result<bool, ServoError> {
-    Ok(parameters(fitted, change)?.iter().any(|f| f.is_bound(f.start)))
+    let is_out = |f: &Free| f.is_bound(f.start) && !f.parameter.is_shape();
+    Ok(parameters(fitted, change)?.iter().any(is_out))
 }
 
 fn is_same(a: &Free, b: &Free) -> bool {

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::fit::weigh;
-use super::parameters::with_values;
+use super::parameters::{FINE, with_values};
 use super::problem::Problem;
 use super::refit::{Refits, parameters, taken_out};
 use super::replay::lead;
@@ -138,7 +138,7 @@ impl Varied {
     /// The arm with each value a step further, and the step; `None` where one of them has no tangent.
     fn moved(&self, start_s: f64) -> Option<Vec<(Plant, f64)>> {
         let of = |(i, f): (usize, &Free)| {
-            let (mut x, step) = (self.starts(), f.step(f.start, f.max));
+            let (mut x, step) = (self.starts(), f.step(f.start, f.max, FINE));
             x[i] += step;
             let plant = Plant::new(&with_values(&self.twin, &self.free, &x), start_s).ok()?;
             plant.is_plain().then_some((plant, step))

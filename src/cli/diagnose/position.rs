@@ -28,6 +28,14 @@ pub fn page(d: &Diagnosis) -> String {
         let [before, after] = [cause.before_rad, cause.after_rad].map(mrad);
         text += &format!("{effect}, {place}: {before} -> {after} mrad beside the other causes\n");
     }
+    if position.birge_ratio > 1.0 {
+        let wider = format!(
+            "Intervals are {:.1} times wider than noise alone asks for: what each recording says by itself differs by so \
+             much more (Birge ratio).",
+            position.birge_ratio
+        );
+        text += &(paragraph("", &wider) + "\n");
+    }
     let torque = "Values are those by which the simulated position follows both recordings best; of the \
                   positions above, those that follow the fit recording alone. Torque below is position times \
                   the servo's gain: what the recorded position shows that the twin does not give.";

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::regression::bounds::Bounds;
+use crate::servo::parameters::FINE;
 
 /// Columns beside differences between simulations, of friction and load, servos, bodies, rotors and encoders: to the
 /// steps of the differences. The first joint and the last stand at times with all the friction that can hold
@@ -32,7 +33,7 @@ fn a_tangent_is_what_differences_between_simulations_have() {
     problem.weights.fill(1e4);
     let x: Vec<f64> = free.iter().map(|f| f.start).collect();
     let bounds = Bounds::unbounded(x.len());
-    let steps = problem.steps(&x, &bounds);
+    let steps = problem.steps(&x, &bounds, FINE);
     let mut r = vec![0.0; problem.count()];
     problem.residuals(&x, &mut r);
     assert!(problem.tangents(&x, &steps).is_some());
@@ -56,7 +57,7 @@ fn what_remembers_or_gives_way_has_no_tangent() {
         let tracks = [&track];
         let problem = Problem::new(&twin, &tracks, &free, 2.0);
         let x: Vec<f64> = free.iter().map(|f| f.parameter.typical).collect();
-        let steps = problem.steps(&x, &Bounds::unbounded(x.len()));
+        let steps = problem.steps(&x, &Bounds::unbounded(x.len()), FINE);
         assert_eq!(problem.tangents(&x, &steps).is_some(), has_one, "{effect}");
     }
 }

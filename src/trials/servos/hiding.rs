@@ -4,6 +4,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::arm::{SCALE, URDF, arm};
 use super::position::{Plain, sharp};
+use crate::effects;
 use crate::motion::Trajectory;
 use crate::robot::{Chain, inverse_dynamics_series, urdf};
 use crate::simulation::{
@@ -87,6 +88,17 @@ impl Hiding {
         shape(name, &ground, &taken, rng).ok_or_else(missing)
     }
 
+    /// With values that such an effect can have on an arm of this size: others are no truth that could be found.
+    fn in_range(&self, mut injection: Injection) -> Injection {
+        let size = effects::Size::of(&self.made.setup.robot);
+        let ranges = injection.effect.about().parameters.iter().map(|p| p.on(&size));
+        let ranges: Vec<effects::Parameter> = ranges.collect();
+        for row in &mut injection.values {
+            row.iter_mut().zip(&ranges).for_each(|(value, range)| *value = range.clamp(*value));
+        }
+        injection
+    }
+
     /// The effect at the size where the position shows it as strongly as is wanted.
     fn sized(
         &self,
@@ -95,7 +107,7 @@ impl Hiding {
         plain: &Plain,
     ) -> Result<Effect, TrialError> {
         let with = |x: f64| {
-            let injection = shape.sized(x);
+            let injection = self.in_range(shape.sized(x));
             let mut setup = self.made.setup.clone();
             inject(&mut setup, &injection, shape.replaces_coulomb);
             let strength = plain.strength(&setup, &self.made)?;
