@@ -287,10 +287,11 @@ fn estimates(
     let mut r = vec![0.0; problem.count()];
     problem.residuals(x, &mut r);
     let columns = problem.jacobian(x, &r, &bounds);
-    let counts = |u: &f64| if is_robust { loss::linearised(*u) } else { (*u, 1.0) };
-    let (measured, scale): (Vec<f64>, Vec<f64>) =
-        r.iter().map(counts).map(|(u, scale)| (-u, scale)).unzip();
-    let jacobian = DMatrix::from_fn(r.len(), x.len(), |i, j| scale[i] * columns[j][i]);
+    let jacobian = DMatrix::from_fn(r.len(), x.len(), |i, j| columns[j][i]);
+    if is_robust {
+        r = r.chunks(problem.samples()).flat_map(loss::as_squares).collect();
+    }
+    let measured: Vec<f64> = r.iter().map(|r| -r).collect();
     let null: Vec<f64> = free
         .iter()
         .map(|f| if f.parameter.null.is_finite() { f.parameter.null } else { 0.0 })

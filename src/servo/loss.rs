@@ -18,12 +18,13 @@ pub fn slope(r: f64) -> f64 {
     if s.is_finite() { (0.5 * (1.0 + s)).sqrt() / s } else { 0.0 }
 }
 
-/// u and the square root of rho''/2 there, so that least squares of the first over columns times the second have the covariance
-/// of an M-estimate, A^-1 B A^-1: A sums rho''/2 and B is of rho'/2 (Huber, *Robust estimation of a location parameter*, Ann. Math.
-/// Stat. 35, 1964). Errors that are all of one size, as those of rounding are, tell its values less well than their squares would.
-pub fn linearised(u: f64) -> (f64, f64) {
-    let root = u.hypot(1.0).sqrt();
-    (u * root, root.powi(-3))
+/// Errors that least squares have at values fitted by this loss: rho'/2 over the mean of rho''/2, so that their covariance is that of
+/// an M-estimate (Huber, *Robust regression: asymptotics, conjectures and Monte Carlo*, Ann. Stat. 1, 1973). Errors that are all
+/// of one size, as those of rounding are, tell values less well by their sizes than by their squares.
+pub fn as_squares(u: &[f64]) -> Vec<f64> {
+    let bend = |u: &f64| u.hypot(1.0).powi(-3);
+    let mean = u.iter().map(bend).sum::<f64>() / u.len().max(1) as f64;
+    u.iter().map(|u| u / u.hypot(1.0) / mean).collect()
 }
 
 /// Square root of the weight of u in iteratively reweighted least squares, (rho'(u) / 2u)^(1/2).
@@ -33,7 +34,12 @@ pub fn root_weight(u: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DMatrix;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
     use super::*;
+    use crate::statistics::infer;
 
     #[test]
     fn small_errors_count_by_their_square_large_ones_by_their_size() {
@@ -52,16 +58,45 @@ mod tests {
         }
     }
 
-    /// Normal equations of the loss: its second derivative over columns, and its first.
+    /// Small errors are what they are; of large ones the side counts.
     #[test]
-    fn linearised_has_the_slope_and_the_curvature_of_the_loss() {
-        let pull = |u: f64| residual(u) * slope(residual(u));
-        for u in [-3.0, -0.5, 0.0, 0.2, 2.0] {
-            let (error, column) = linearised(u);
-            assert!((error * column - pull(u)).abs() < 1e-12, "{u}");
-            let curvature = (pull(u + 1e-5) - pull(u - 1e-5)) / 2e-5;
-            assert!((column.powi(2) - curvature).abs() < 1e-8, "{u}");
+    fn errors_as_squares_have_them() {
+        let small = as_squares(&[1e-3, -2e-3]);
+        assert!((small[0] / 1e-3 - 1.0).abs() < 1e-4 && (small[1] / -2e-3 - 1.0).abs() < 1e-4);
+        let large = as_squares(&[3.0, 300.0, -300.0]);
+        assert!((large[1] / large[0] - 1.054).abs() < 1e-3, "{large:?}");
+        assert_eq!(large[1], -large[2]);
+    }
+
+    /// A value fitted by this loss to errors of rounding: its intervals hold it as often as they should, those of a sum of
+    /// squares do not.
+    #[test]
+    fn intervals_are_those_of_the_loss_that_was_fitted() {
+        const DRAWS: usize = 400;
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let (x, slots): (Vec<f64>, Vec<usize>) =
+            (0..400).map(|k| ((0.3 * f64::from(k)).sin(), k as usize)).unzip();
+        let [mut by_loss, mut by_squares] = [0, 0];
+        for _ in 0..DRAWS {
+            let noise: Vec<f64> = x.iter().map(|_| rng.random_range(-2.0..2.0)).collect();
+            let off = |value: f64| x.iter().zip(&noise).map(move |(x, n)| n - value * x);
+            let value = (0..100).fold(0.0, |value: f64, _| {
+                let each = || off(value).map(|u| (u, root_weight(u).powi(2))).zip(&x);
+                let pull: f64 = each().map(|((u, w), x)| w * u * x).sum();
+                value + pull / each().map(|((_, w), x)| w * x * x).sum::<f64>()
+            });
+            let holds = |error: &[f64]| {
+                let column = DMatrix::from_column_slice(x.len(), 1, &x);
+                let found = infer(&[value], &[0.0], &column, error, &slots, 0.9).unwrap();
+                usize::from(found.robust[0].low < 0.0 && 0.0 < found.robust[0].high)
+            };
+            let errors: Vec<f64> = off(value).collect();
+            by_loss += holds(&as_squares(&errors));
+            by_squares += holds(&errors);
         }
+        let share = |holds: usize| holds as f64 / DRAWS as f64;
+        assert!((0.87..0.95).contains(&share(by_loss)), "{}", share(by_loss));
+        assert!(share(by_squares) < 0.85, "{}", share(by_squares));
     }
 
     #[test]

@@ -146,34 +146,6 @@ impl<'a> Refits<'a> {
         Ok(Refitted { twin: twin.clone(), estimates })
     }
 
-    /// Does the recording that a twin was fitted to tell one of its changes: is some value of it surely not what it is without?
-    /// Others at the end of their range stay there: a servo that brakes less is told where friction would have to push.
-    ///
-    /// # Errors
-    /// As [`super::identify`].
-    pub fn tells(
-        &self,
-        fitted: &Twin,
-        changes: &[Change],
-        change: &Change,
-    ) -> Result<bool, ServoError> {
-        let mut free = self.free(fitted, changes)?;
-        free.retain(|f| !f.is_bound(f.start));
-        let settings = Settings { level: LEVEL, ..Settings::default() };
-        let own = parameters(fitted, change)?;
-        let tells = |(f, e): (&Free, &Estimate)| match f.parameter.null {
-            _ if !e.identifiable || !own.iter().any(|own| is_same(f, own)) => false,
-            null if null.is_finite() => {
-                let absent = f.value_in(&self.before);
-                absent < e.low || e.high < absent
-            }
-            // Nothing that can be written is as stiff as what does not give way.
-            null => null.is_infinite(),
-        };
-        let estimates = told(fitted, &self.tracks, &free, &settings)?;
-        Ok(free.iter().zip(&estimates).any(tells))
-    }
-
     /// A fit of what may be another value `around` a change; of all values, if that is none.
     fn fitted(
         &self,

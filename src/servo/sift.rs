@@ -121,10 +121,10 @@ impl Sieve<'_> {
         Ok(if self.stands(&sifted, &in_full, offers) { with } else { sifted })
     }
 
-    /// Without what the others, taken up later, have made needless: what takes nothing sure off beside them, is not told by the
-    /// halves it was fitted to, or has gone to the end of its range, the least first.
+    /// Without what the others, taken up later, have made needless: what takes nothing sure off beside them, or has gone to the end
+    /// of its range, the least first.
     fn needed(&self, mut sifted: Sifted, offers: &[Offer]) -> Result<Sifted, ServoError> {
-        while sifted.stand.len() > 1 {
+        while !sifted.stand.is_empty() {
             let changes = sifted.changes(offers);
             let without = |i: usize| -> Result<(usize, Twins, Sizes), ServoError> {
                 let twins = self.folds.each(sifted.mended.each_ref(), |fold, mended| {
@@ -140,14 +140,12 @@ impl Sieve<'_> {
             let takes_off = |i: usize, without: &Sizes| {
                 self.takes_off(&sifted, [without, &sifted.left], among(i))
             };
-            let is_none = |c: &Change| -> Result<bool, ServoError> {
-                let none = self.folds.each(sifted.mended.each_ref(), |fold, twin| {
-                    Ok(is_at_bound(twin, c)? || !fold.refits.tells(twin, &changes, c)?)
-                })?;
-                Ok(none.contains(&true))
+            let is_out = |c: &Change| -> Result<bool, ServoError> {
+                let [a, b] = sifted.mended.each_ref().map(|twin| is_at_bound(twin, c));
+                Ok(a? || b?)
             };
-            let none: Vec<bool> = changes.iter().map(is_none).collect::<Result<_, _>>()?;
-            idle.retain(|(i, _, without)| none[*i] || !takes_off(*i, without));
+            let out: Vec<bool> = changes.iter().map(is_out).collect::<Result<_, _>>()?;
+            idle.retain(|(i, _, without)| out[*i] || !takes_off(*i, without));
             let least = idle.into_iter().min_by(|a, b| a.2.ln().total_cmp(&b.2.ln()));
             let Some((i, twins, _)) = least else { break };
             sifted.stand.remove(i);
