@@ -35,6 +35,12 @@ pub fn significant(x: f64) -> String {
     if after > 6 { format!("{x:.0e}") } else { unsigned_zero(format!("{x:.after$}")) }
 }
 
+/// Two significant digits, and more of a whole number that has more.
+pub fn rough(x: f64) -> String {
+    let decimals = if x == 0.0 { 0.0 } else { 1.0 - x.abs().log10().floor() };
+    with_decimals(x, decimals as i32)
+}
+
 /// Three significant digits without trailing zeros.
 pub fn digits(x: f64) -> String {
     let text = significant(x);
@@ -121,6 +127,14 @@ mod tests {
             [(0.0, "1970-01-01"), (951_827_696.0, "2000-02-29"), (1_795_392_000.0, "2026-11-23")]
         {
             assert_eq!(day(unix), date);
+        }
+    }
+
+    #[test]
+    fn rough_numbers_have_two_digits() {
+        for (x, said) in [(0.324, "0.32"), (4.06, "4.1"), (41.3, "41"), (140.2, "140"), (0.0, "0")]
+        {
+            assert_eq!(rough(x), said);
         }
     }
 

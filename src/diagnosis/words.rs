@@ -1,9 +1,10 @@
 //! A diagnosis in sentences.
 
 use super::{
-    Cause, CrossValidated, Diagnosis, Episode, Position, Touch, UnexplainedJoint, Value, Verdict,
+    Cause, Checked, CrossValidated, Diagnosis, Episode, Position, PositionShrink, Touch,
+    UnexplainedJoint, Value, Verdict,
 };
-use crate::numbers::digits;
+use crate::numbers::{digits, rough};
 
 /// "joint 2", "joints 1, 3" or "the whole arm"; joints count from 1.
 pub fn place(joints: &[usize]) -> String {
@@ -143,8 +144,33 @@ fn position_shrinks(position: &Position) -> String {
     )
 }
 
-/// How far all causes together take the gap down: in N.m, and as a share of what lies above the noise.
-pub fn above_noise(d: &Diagnosis) -> String {
+/// How far all causes together take the gap down.
+pub fn how_far(d: &Diagnosis) -> String {
+    match &d.position {
+        Some(position) if !d.causes.is_empty() => position_shrinks(position),
+        _ => above_noise(d),
+    }
+}
+
+/// What a cause takes off the check recording where it is added to all the others: sizes without and with it, root mean
+/// square, and its share of the mean square. Of position servos the position counts, along the whole command.
+pub fn takes_off(d: &Diagnosis, c: &Cause) -> (String, f64) {
+    let is_own = |p: &&PositionShrink| (&p.effect, &p.joints) == (&c.effect, &c.joints);
+    let by_position = d.position.iter().flat_map(|position| &position.causes).find(is_own);
+    match by_position {
+        Some(p) => {
+            let [before, after] = [p.before_rad, p.after_rad].map(|rad| 1e3 * rad);
+            (format!("{before:.2} -> {after:.2} mrad"), p.fraction)
+        }
+        None => {
+            let Checked { check_before_nm, check_after_nm, fraction, .. } = c.shrink;
+            (format!("{check_before_nm:.3} -> {check_after_nm:.3} N.m"), fraction)
+        }
+    }
+}
+
+/// In N.m, and as a share of what lies above the noise.
+fn above_noise(d: &Diagnosis) -> String {
     let t = &d.shrink.torque;
     let share = match t.above_noise().map(|share| share.map(percent)) {
         _ if d.verdict == Verdict::NoGap => "nothing else is to be explained".into(),
@@ -264,7 +290,7 @@ fn stretches(d: &Diagnosis, which: impl Fn(&&Episode) -> bool) -> String {
         let Episode { start, end, recording, .. } = e;
         let touch = e.touch.as_ref();
         let touch =
-            touch.map_or(String::new(), |t| format!(", {:.0} N at link {}", t.peak_n, t.link));
+            touch.map_or(String::new(), |t| format!(", {} N at link {}", rough(t.peak_n), t.link));
         format!("{start:.1} to {end:.1} s ({recording}{touch})")
     };
     d.episodes.iter().filter(which).map(one).collect::<Vec<_>>().join(", ")

@@ -8,12 +8,13 @@
 
 use super::fit::Fit;
 use super::folds::{Folds, Halved};
-use super::judge::prove;
+use super::judge::{Mended, prove};
 use super::refit::{Refits, Refitted};
 use super::scatter::{birge_ratio, widen};
 use super::sift::{Sieve, Sifted};
+use super::sizes::Sizes;
 use super::{Free, ServoError, Settings, Track, free_parameters, linearised};
-use crate::diagnosis::{self, CrossValidated, Diagnosis, Offer, Traces, diagnose_proved};
+use crate::diagnosis::{self, Change, CrossValidated, Diagnosis, Offer, Traces, diagnose_proved};
 use crate::follow::Watch;
 use crate::series::JointSeries;
 use crate::signals::Samples;
@@ -58,33 +59,51 @@ pub fn diagnose(
     let [seen_fit, seen_check] = [fit, check].map(|s| linearised(&near, s, horizon_s));
     let halved = Halved::new(both.clone());
     let folds = Folds::new(twin, &halved, watch)?;
-    let mut decided = CrossValidated::default();
-    let (mut taken, mut alone) = (Vec::new(), refits.before.clone());
-    let mut wider = 1.0;
-    let mut told = Refitted { twin: alone.clone(), estimates: Vec::new() };
+    let mut mended = unchanged(&refits.before);
     let mut proof = |offers: &[Offer]| {
         let sieve = Sieve { folds: &folds, settings };
-        let Sifted { stand, mended, left, before } = sieve.sift(offers)?;
-        taken = stand.iter().map(|s| offers[s.index].change.clone()).collect();
-        (decided.before_rad, decided.after_rad) = (before.mean_rad(), left.mean_rad());
-        if !taken.is_empty() {
+        let Sifted { stand, mended: near, left, before } = sieve.sift(offers)?;
+        let changes: Vec<Change> = stand.iter().map(|s| offers[s.index].change.clone()).collect();
+        if !changes.is_empty() {
             let of_both = Refits::new(twin, both.iter().collect(), watch)?;
-            told = of_both.all(folds.nearer(&mended)?, &taken)?;
-            alone = refits.close(&told.twin, &taken)?;
-            let by_fit = refits.as_is(&alone, &taken)?;
-            let by_check = of_both.by(check_track).all(&told.twin, &taken)?;
-            wider = birge_ratio([&by_fit.estimates, &by_check.estimates]);
-            widen(&mut told.estimates, wider);
+            mended = mend(&of_both, &refits, folds.nearer(&near)?, changes)?;
         }
+        let [before_rad, after_rad] = [&before, &left].map(Sizes::mean_rad);
+        mended.decided = CrossValidated { before_rad, after_rad };
         Ok(stand)
     };
     watch.tell(diagnosis::SEARCHING, 0, 0);
     let (mut diagnosis, traces) =
         diagnose_proved(twin, &seen_fit?, &seen_check?, settings, &mut proof, watch)?;
-    let held = (check_track, decided, wider);
-    let led = [&refits.before, &alone];
-    let simulated = prove(&mut diagnosis, twin, led, (&taken, &told), held)?;
+    let simulated = prove(&mut diagnosis, twin, &refits.before, &mended, check_track)?;
     Ok(Found { diagnosis, traces, simulated })
+}
+
+/// Nothing is changed.
+fn unchanged(before: &Twin) -> Mended {
+    Mended {
+        changes: Vec::new(),
+        told: Refitted { twin: before.clone(), estimates: Vec::new() },
+        alone: before.clone(),
+        decided: CrossValidated::default(),
+        birge_ratio: 1.0,
+    }
+}
+
+/// Values of changes, which are near those of a twin, by both recordings and by the fit recording alone.
+fn mend(
+    of_both: &Refits<'_>,
+    of_fit: &Refits<'_>,
+    near: &Twin,
+    changes: Vec<Change>,
+) -> Result<Mended, ServoError> {
+    let mut told = of_both.all(near, &changes)?;
+    let by_fit = of_fit.all(&told.twin, &changes)?;
+    let by_check = of_both.by(of_both.tracks[1]).all(&told.twin, &changes)?;
+    let birge_ratio = birge_ratio([&by_fit.estimates, &by_check.estimates]);
+    widen(&mut told.estimates, birge_ratio);
+    let decided = CrossValidated::default();
+    Ok(Mended { changes, told, alone: by_fit.twin, decided, birge_ratio })
 }
 
 /// The twin with values by which it follows the recording, whatever they stand for.

@@ -38,9 +38,11 @@ pub struct Estimate {
     pub unit: &'static str,
     /// From 1; none for one of the whole arm.
     pub joint: Option<usize>,
+    /// In that unit, as all that follow.
     pub value: f64,
     #[serde(skip)]
     pub standard_error: f64,
+    /// Its interval.
     pub low: f64,
     pub high: f64,
     /// Probability of such data if the effect is not there, where there is such a value.
@@ -48,7 +50,7 @@ pub struct Estimate {
     pub at_bound: bool,
     /// Do these recordings tell it?
     pub identifiable: bool,
-    /// Where it was searched.
+    /// Least and most that was searched.
     #[serde(skip)]
     pub range: [f64; 2],
 }

@@ -16,19 +16,32 @@ use crate::effects::find;
 use crate::series::JointSeries;
 use crate::twin::Twin;
 
-/// Leads along the command of the check recording the twin as given and with `changes`, the values of both fitted to the other
-/// recording alone, and the second one without each cause; adds to `diagnosis` what that shows, and returns the positions of
-/// both, rad. Values are `told` by both recordings, and causes come in the order of `changes`.
+/// What stands, and with which values.
+pub struct Mended {
+    pub changes: Vec<Change>,
+    /// As both recordings have them, with intervals.
+    pub told: Refitted,
+    /// As the fit recording alone has them.
+    pub alone: Twin,
+    pub decided: CrossValidated,
+    /// How many times wider intervals are than errors of the fits say ([`super::scatter::birge_ratio`]).
+    pub birge_ratio: f64,
+}
+
+/// Leads along the command of the check recording the twin as given, its open values as the other recording has them (`before`), the one
+/// that the same recording alone mended, and that one without each cause; adds to `diagnosis` what that shows, and returns the
+/// positions of the first two, rad. Values are told by both recordings, and causes come in the order of the changes.
 ///
 /// # Errors
 /// If a twin runs away.
 pub fn prove(
     diagnosis: &mut Diagnosis,
     twin: &Twin,
-    [before, after]: [&Twin; 2],
-    (changes, told): (&[Change], &Refitted),
-    (track, decided, birge_ratio): (&Track, CrossValidated, f64),
+    before: &Twin,
+    mended: &Mended,
+    track: &Track,
 ) -> Result<Vec<JointSeries>, ServoError> {
+    let Mended { changes, told, alone: after, .. } = mended;
     keep_open(&mut diagnosis.fitted_before, twin, before);
     keep_open(&mut diagnosis.fitted, twin, &told.twin);
     let is_of = |change: &Change, cause: &Cause| {
@@ -51,7 +64,7 @@ pub fn prove(
         Ok(PositionShrink { effect, joints, before_rad, after_rad: rms, fraction })
     };
     let causes = diagnosis.causes.par_iter().map(without).collect::<Result<_, _>>()?;
-    put(diagnosis, &gaps, (decided, birge_ratio), causes);
+    put(diagnosis, &gaps, mended, causes);
     Ok(vec![q_before, q_after])
 }
 
@@ -95,7 +108,7 @@ fn shift(value: &mut Value, by: f64) {
 fn put(
     diagnosis: &mut Diagnosis,
     [before, after]: &[PositionGap; 2],
-    (cross_validated, birge_ratio): (CrossValidated, f64),
+    mended: &Mended,
     causes: Vec<PositionShrink>,
 ) {
     let joint = |(b, a): (&super::JointPosition, &super::JointPosition)| JointPositionShrink {
@@ -115,6 +128,7 @@ fn put(
     diagnosis.by = By::Simulation;
     diagnosis.shrink.simulation =
         Some(SimulationShrink { before_rad, after_rad, fraction, ..SimulationShrink::default() });
+    let Mended { decided: cross_validated, birge_ratio, .. } = *mended;
     diagnosis.position = Some(Position {
         before_rad,
         after_rad,

@@ -140,12 +140,9 @@ impl Sieve<'_> {
             let takes_off = |i: usize, without: &Sizes| {
                 self.takes_off(&sifted, [without, &sifted.left], among(i))
             };
-            let is_out = |c: &Change| -> Result<bool, ServoError> {
-                let [a, b] = sifted.mended.each_ref().map(|twin| is_at_bound(twin, c));
-                Ok(a? || b?)
-            };
-            let out: Vec<bool> = changes.iter().map(is_out).collect::<Result<_, _>>()?;
-            idle.retain(|(i, _, without)| out[*i] || !takes_off(*i, without));
+            let bound = changes.iter().map(|c| are_at_bound(&sifted.mended, c));
+            let bound: Vec<bool> = bound.collect::<Result<_, _>>()?;
+            idle.retain(|(i, _, without)| bound[*i] || !takes_off(*i, without));
             let least = idle.into_iter().min_by(|a, b| a.2.ln().total_cmp(&b.2.ln()));
             let Some((i, twins, _)) = least else { break };
             sifted.stand.remove(i);
@@ -237,8 +234,8 @@ impl Sieve<'_> {
     /// Twins that a change was fitted in.
     fn tried(&self, index: usize, offers: &[Offer], twins: Twins) -> Result<Tried, ServoError> {
         let left = self.folds.left(&twins)?;
-        let [a, b] = twins.each_ref().map(|twin| is_at_bound(twin, &offers[index].change));
-        Ok(Tried { index, twins, left, at_bound: a? || b? })
+        let at_bound = are_at_bound(&twins, &offers[index].change)?;
+        Ok(Tried { index, twins, left, at_bound })
     }
 
     /// The most plausible of those with which the error comes nearest, if it does, and the others.
@@ -294,6 +291,12 @@ fn worth_a_fit(promising: &[Promising]) -> &[Promising] {
     let least = promising.first().map_or(0.0, |most| most.gain.min(PROMISING * most.gain));
     let few = promising.iter().take(TRIED).take_while(|p| p.gain >= least).count();
     &promising[..few]
+}
+
+/// Has a change a value at the end of its range in one of the twins?
+fn are_at_bound(twins: &Twins, change: &Change) -> Result<bool, ServoError> {
+    let [a, b] = twins.each_ref().map(|twin| is_at_bound(twin, change));
+    Ok(a? || b?)
 }
 
 /// What was taken up, and one more.

@@ -48,7 +48,7 @@ fn causes(d: &Diagnosis) -> String {
     if d.causes.is_empty() {
         return String::new();
     }
-    let rows = table(&CAUSES, 2, d.causes.iter().flat_map(cause));
+    let rows = table(&CAUSES, 2, d.causes.iter().flat_map(|c| cause(d, c)));
     let same = d.causes.iter().filter(|c| !c.equivalent.is_empty()).map(|c| {
         let others: Vec<String> = c.equivalent.iter().map(rows::named).collect();
         paragraph("", &format!("{} looks the same as {}", c.effect, others.join("; ")))
@@ -57,14 +57,15 @@ fn causes(d: &Diagnosis) -> String {
 }
 
 /// A row of the foremost value; of what people read as ratios (a load and its centre) a row of each value.
-fn cause(c: &Cause) -> Vec<Vec<String>> {
+fn cause(d: &Diagnosis, c: &Cause) -> Vec<Vec<String>> {
     let all = c.read();
     let values = match c.has_ratios() {
         true => all,
         false => words::foremost(c).into_iter().collect(),
     };
     let name = format!("{}, {}", c.effect, words::acts(c));
-    let [sure, share] = [c.probability, c.shrink.fraction].map(words::percent);
+    let (_, fraction) = words::takes_off(d, c);
+    let [sure, share] = [c.probability, fraction].map(words::percent);
     // What is not in the check recording has nothing to take off there.
     let share = if c.recording.is_some() { "-".into() } else { share };
     let first = |k: usize, text: &String| if k == 0 { text.clone() } else { String::new() };
@@ -86,7 +87,10 @@ fn value(v: &Value) -> [String; 4] {
 }
 
 fn how_far(d: &Diagnosis) -> String {
-    let torque = paragraph("torque    ", &words::above_noise(d));
+    let torque = match d.position {
+        Some(_) => String::new(),
+        None => paragraph("torque    ", &words::how_far(d)),
+    };
     let simulated = d.shrink.simulation.as_ref().map_or(String::new(), |s| {
         let moved = format!("{} -> {} in simulation", angle(s.before_rad), angle(s.after_rad));
         paragraph("position  ", &moved)

@@ -5,12 +5,12 @@ use crate::report::diagnosis as rows;
 use crate::report::{paragraph, table};
 use crate::text::titled;
 
-pub fn section(causes: &[Cause]) -> String {
-    let body: Vec<String> = causes.iter().map(cause).collect();
+pub fn section(d: &Diagnosis) -> String {
+    let body: Vec<String> = d.causes.iter().map(|c| cause(d, c)).collect();
     titled("Which effect: causes, what takes most off first", &body.join("\n"))
 }
 
-fn cause(c: &Cause) -> String {
+fn cause(d: &Diagnosis, c: &Cause) -> String {
     let mut text = format!(
         "{} at {}: probability {}\n",
         c.effect,
@@ -21,18 +21,15 @@ fn cause(c: &Cause) -> String {
     header[0] = "  parameter";
     let rows = table(&header, 2, c.read().into_iter().map(parameter));
     text += &format!("{rows}\n");
-    let s = &c.shrink;
-    text += &paragraph(
-        "  check    ",
-        &format!(
-            "{:.3} -> {:.3} N.m when added to the others, {} of the mean square ({} .. {})",
-            s.check_before_nm,
-            s.check_after_nm,
-            words::percent(s.fraction),
-            words::percent(s.low),
-            words::percent(s.high)
-        ),
-    );
+    let (sizes, share) = words::takes_off(d, c);
+    let share = words::percent(share);
+    let interval = match d.position {
+        Some(_) => String::new(),
+        None => format!(" ({} .. {})", words::percent(c.shrink.low), words::percent(c.shrink.high)),
+    };
+    let takes_off =
+        format!("{sizes} when added to the others, {share} of the mean square{interval}");
+    text += &paragraph("  check    ", &takes_off);
     if !c.equivalent.is_empty() {
         let same: Vec<String> = c.equivalent.iter().map(rows::named).collect();
         text += &paragraph("  the same ", &format!("in these data: {}", same.join("; ")));

@@ -14,7 +14,7 @@ pub fn page(done: &Diagnosed) -> String {
 pub fn findings(d: &Diagnosis) -> String {
     let mut text = format!("{}\n", paragraph("", &words::sentence(d)));
     text += &gap::section(&d.gap);
-    text += &causes::section(&d.causes);
+    text += &causes::section(d);
     text += &ranking(&d.ranking);
     text += &shrink(d);
     text += &causes::set_aside(d);
@@ -36,7 +36,7 @@ fn ranking(ranking: &[Ranked]) -> String {
 
 fn shrink(d: &Diagnosis) -> String {
     let mut body = table(&rows::TORQUE, 1, rows::torque(d));
-    body += &format!("\n{}", paragraph("", &words::above_noise(d)));
+    body += &format!("\n{}", paragraph("", &words::how_far(d)));
     if let Some(s) = &d.shrink.simulation {
         body += &format!("\n{}", table(&rows::SIMULATED, 1, rows::simulated(s)));
     }

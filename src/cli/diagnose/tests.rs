@@ -1,10 +1,10 @@
 //! What is printed of a diagnosis made by hand.
 
-use super::{causes, page};
+use super::{brief, causes, page};
 use crate::diagnosis::{
-    Cause, Checked, Criteria, Dependence, Diagnosis, Gap, JointGap, JointShrink, Named, Ranked,
-    Regime, Replaced, Shrink, SimulationShrink, TorqueShrink, Unexplained, UnexplainedJoint,
-    Untestable, Value, Verdict, words,
+    Cause, Checked, Criteria, CrossValidated, Dependence, Diagnosis, Gap, JointGap, JointShrink,
+    Named, Position, PositionShrink, Ranked, Regime, Replaced, Shrink, SimulationShrink,
+    TorqueShrink, Unexplained, UnexplainedJoint, Untestable, Value, Verdict, words,
 };
 
 fn unexplained(above_noise: bool) -> Unexplained {
@@ -172,7 +172,7 @@ fn what_makes_the_check_recording_worse_explains_nothing() {
     let mut worse = by_hand();
     let torque = &mut worse.shrink.torque;
     (torque.after_nm, torque.fraction, torque.low, torque.high) = (9.6, -8.0, -9.0, -7.0);
-    let said = [words::headline(&worse), words::sentence(&worse), words::above_noise(&worse)];
+    let said = [words::headline(&worse), words::sentence(&worse), words::how_far(&worse)];
     assert!(
         said[0].starts_with("What is found on one recording makes the other worse"),
         "{}",
@@ -227,5 +227,30 @@ fn what_is_not_there_has_no_title() {
     let none = Diagnosis { causes: vec![], untestable: vec![], ..by_hand() };
     let text = page::findings(&none);
     assert!(!text.contains("causes, strongest") && !text.contains("cannot test"), "{text}");
-    assert_eq!(causes::section(&[]), "");
+    assert_eq!(causes::section(&Diagnosis { causes: vec![], ..by_hand() }), "");
+}
+
+/// Of position servos the position counts, whatever torque along another motion says.
+#[test]
+fn of_position_servos_a_cause_takes_position_off() {
+    let mut d = by_hand();
+    let Cause { effect, joints, .. } = d.causes[0].clone();
+    let (before_rad, after_rad, fraction) = (0.02, 0.012, 0.64);
+    let own = PositionShrink { effect, joints, before_rad, after_rad, fraction };
+    let cross_validated = CrossValidated { before_rad: 0.03, after_rad: 0.01 };
+    d.position = Some(Position {
+        before_rad,
+        after_rad,
+        fraction,
+        cross_validated,
+        birge_ratio: 1.0,
+        joints: vec![],
+        causes: vec![own],
+    });
+    assert_eq!(words::takes_off(&d, &d.causes[0]), ("20.00 -> 12.00 mrad".into(), 0.64));
+    let full = causes::section(&d);
+    assert!(full.contains("20.00 -> 12.00 mrad") && full.contains("64 %"), "{full}");
+    let short = brief::findings(&d);
+    assert!(short.contains("64 %") && !short.contains("torque   "), "{short}");
+    assert!(words::how_far(&d).contains("30.00 to 10.00 mrad"), "{}", words::how_far(&d));
 }

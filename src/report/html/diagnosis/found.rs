@@ -11,12 +11,13 @@ pub fn causes(d: &Diagnosis) -> Markup {
         @if d.causes.is_empty() {
             p { "None is named." }
         }
-        @for cause in &d.causes { (one(cause)) }
+        @for cause in &d.causes { (one(d, cause)) }
     }
 }
 
-fn one(c: &Cause) -> Markup {
-    let Checked { check_before_nm, check_after_nm, fraction, low, high } = c.shrink;
+fn one(d: &Diagnosis, c: &Cause) -> Markup {
+    let (sizes, share) = words::takes_off(d, c);
+    let Checked { low, high, .. } = c.shrink;
     let same: Vec<String> = c.equivalent.iter().map(rows::named).collect();
     html! {
         h3 { (c.effect) " at " (words::acts(c)) ": probability " (words::percent(c.probability)) }
@@ -24,9 +25,11 @@ fn one(c: &Cause) -> Markup {
         (table(&rows::PARAMETERS, 2, c.read().into_iter().map(rows::parameter)))
         p {
             "On the check recording, added to the others, beside what no cause explains: "
-            (format!("{check_before_nm:.3} → {check_after_nm:.3} N.m, "))
-            (words::percent(fraction)) " of the mean square "
-            "(90 % interval " (words::percent(low)) " to " (words::percent(high)) ")."
+            (sizes.replace("->", "→")) ", " (words::percent(share)) " of the mean square"
+            @if d.position.is_none() {
+                " (90 % interval " (words::percent(low)) " to " (words::percent(high)) ")"
+            }
+            "."
         }
         @if !same.is_empty() { p { "Looks the same in these data: " (same.join("; ")) "." } }
         p { b { "To mend it: " } (c.remedy) "." }
@@ -69,7 +72,7 @@ pub fn episodes(d: &Diagnosis) -> Markup {
 
 pub fn shrink(d: &Diagnosis) -> Markup {
     html! {
-        p { (sentence(&words::above_noise(d))) }
+        p { (sentence(&words::how_far(d))) }
         (table(&rows::TORQUE, 1, rows::torque(d)))
         @if let Some(s) = &d.shrink.simulation { (table(&rows::SIMULATED, 1, rows::simulated(s))) }
     }
