@@ -33,6 +33,8 @@ pub struct Motion<'a> {
     pub rigid: Option<&'a Rigid>,
     /// What position servos were told, where the arm has such.
     pub told: Option<&'a Told>,
+    /// Turns of each motor per turn of its joint; empty where that is not known.
+    pub gear_ratio: &'a [f64],
 }
 
 impl<'a> Motion<'a> {
@@ -57,6 +59,7 @@ impl<'a> Motion<'a> {
             giving: &[],
             rigid: None,
             told: None,
+            gear_ratio: &[],
         }
     }
 

@@ -3,7 +3,8 @@
 //! Over time it has N qd / (2 pi) Hz: a low-pass below that removes it, and 2.5 samples per wave are
 //! needed to follow it. At 125 Hz order 202 (two per motor turn) is followed up to 1.5 rad/s, order 1000
 //! up to 0.3 rad/s; below a low-pass at 8 Hz only up to 0.25 and 0.05 rad/s. A search goes as high as is
-//! followed at the joint's median speed, at most to order 400: for higher ones move slower.
+//! followed at the joint's median speed, at most to order 400: for higher ones move slower. Beyond that it looks at
+//! one and two waves per turn of the motor, which slow parts of a motion show.
 
 use std::f64::consts::PI;
 
@@ -109,8 +110,11 @@ const STANDING_RAD_S: f64 = 0.02;
 /// Share of the sampling rate up to which a ripple is followed at the median speed.
 const RESOLVED: f64 = 0.4;
 
+/// Waves per turn of the motor: its bearing, or a gear that is mounted aside; a wave generator, which is oval.
+const PER_MOTOR_TURN: [f64; 2] = [1.0, 2.0];
+
 /// As finely as the joint's angular range tells neighbours apart (a quarter turn of phase over
-/// it), as high as samples and the torque's filter follow at the joint's median speed.
+/// it), as high as samples and the torque's filter follow at the joint's median speed; those of the motor's turns beyond that.
 fn orders(motion: &Motion<'_>, joint: usize) -> Vec<f64> {
     let [low, high] = starts::range(motion, joint);
     let step = FINEST_STEP.max(0.5 * PI / (high - low).max(1e-6));
@@ -121,5 +125,36 @@ fn orders(motion: &Motion<'_>, joint: usize) -> Vec<f64> {
     let followed = (RESOLVED / motion.dt).min(motion.band_hz);
     let highest = (2.0 * PI * followed / median.max(1e-6)).min(HIGHEST_ORDER);
     let count = ((highest - 1.0) / step).floor().max(0.0) as usize;
-    (0..=count).map(|i| 1.0 + i as f64 * step).collect()
+    let mut orders: Vec<f64> = (0..=count).map(|i| 1.0 + i as f64 * step).collect();
+    let turns = motion.gear_ratio.get(joint).copied().unwrap_or(0.0);
+    let [last, most] = [1.0 + count as f64 * step, ABOUT.parameters[2].max];
+    let of_motor = PER_MOTOR_TURN.map(|waves| waves * turns);
+    orders.extend(of_motor.into_iter().filter(|order| *order > last && *order <= most));
+    orders
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::tables::ur5::TABLE;
+    use crate::series::JointSeries;
+
+    /// At 1 rad/s a low-pass at 8 Hz follows 50 waves a turn.
+    #[test]
+    fn orders_are_those_that_are_followed_and_those_of_the_motor() {
+        let robot = TABLE.robot();
+        let q: Vec<f64> = (0..2000).map(|k| 2.0 * (0.5 * 0.01 * f64::from(k)).sin()).collect();
+        let q = JointSeries::from_joints(&vec![q; robot.dof()]);
+        let qd = q.map_joints(|_, q| vec![1.0; q.len()]);
+        let of = |gear_ratio: &[f64]| {
+            let motion = Motion::new(&robot, 0.01, &q, &qd, &qd);
+            orders(&Motion { band_hz: 8.0, gear_ratio, ..motion }, 0)
+        };
+        let followed = of(&[]);
+        let highest = followed[followed.len() - 1];
+        assert!((49.0..51.0).contains(&highest), "{highest}");
+        assert_eq!(of(&[101.0]), [&followed[..], &[101.0, 202.0]].concat());
+        assert_eq!(of(&[1.0]), followed);
+        assert_eq!(of(&[25.0]), followed, "within what is followed");
+    }
 }

@@ -11,6 +11,7 @@ impl Twin {
         Motion {
             start: samples.start,
             told: samples.told.as_ref(),
+            gear_ratio: &self.drive.gear_ratio,
             temperature: samples.temperature.as_ref(),
             band_hz: match samples.conditioning.torque_cutoff_hz {
                 cutoff if cutoff > 0.0 => cutoff,
