@@ -139,9 +139,11 @@ impl Hiding {
         Ok(effect)
     }
 
-    /// Is every effect at a fair part of its strength?
+    /// Is every effect about as strong as it should be? What sets in all at once can be much stronger or weaker.
     pub fn shows(&self) -> bool {
-        let fair = |e: &Effect| e.strength.drawn.is_none_or(|d| e.strength.reached() > 0.5 * d);
+        let about = |d: f64| 0.5 * d..2.0 * d;
+        let fair =
+            |e: &Effect| e.strength.drawn.is_none_or(|d| about(d).contains(&e.strength.reached()));
         self.effects.iter().all(fair)
     }
 
