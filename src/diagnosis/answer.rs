@@ -42,7 +42,7 @@ pub struct Diagnosis {
     /// Accepted, what takes most off the gap first.
     pub causes: Vec<Cause>,
     /// In the mended twin and no causes: the intervals of their values hold that they are absent, or the fit recording
-    /// alone does not show them.
+    /// alone does not show them, or they are laws of a curve that a cause is named after.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub adjustments: Vec<Cause>,
     pub shrink: Shrink,

@@ -11,6 +11,7 @@ mod candidate;
 mod change;
 mod conditioning;
 mod criteria;
+mod curve;
 mod data;
 mod discrepancy;
 mod episodes;

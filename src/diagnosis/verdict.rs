@@ -25,8 +25,8 @@ use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
     By, Cause, Change, Checked, Diagnosis, DiagnosisError, Floor, Proof, Ranked, Rejected,
-    RoundEvidence, Scored, Settings, Shrink, Value, Verdict, experiment, gap, intervals, links,
-    slow, torque_shrink, words,
+    RoundEvidence, Scored, Settings, Shrink, Value, Verdict, curve, experiment, gap, intervals,
+    links, slow, torque_shrink, words,
 };
 use crate::effects::Role;
 
@@ -88,9 +88,15 @@ impl<'a> Findings<'a> {
     }
 
     pub fn answer(&self) -> Diagnosis {
-        let [mut causes, mut adjustments] = self.causes();
+        let [causes, mut adjustments] = self.causes();
         let within = Within::new(&self.last, self.settings);
         let mut notes = self.notes(&adjustments);
+        let [mut causes, laws] = match self.equals {
+            Some(_) => [causes, Vec::new()],
+            None => curve::one_of_each(causes),
+        };
+        notes.extend(laws.iter().map(words::law));
+        adjustments.extend(laws);
         if let Some(within) = &within {
             notes.extend(within.says(&self.last, self.settings));
             adjustments.extend(within.adjustments());

@@ -357,14 +357,24 @@ fn value(cause: &Cause) -> String {
 /// `torque_constant: torque_gain_error 0.0223 (-0.0528 to 0.0974) helps and is in the mended twin; it is not named,
 /// for its interval holds that there is nothing`
 pub fn adjustment(a: &Cause, why: &str) -> String {
+    format!("{} helps and is in the mended twin; it is not named, for {why}", first_value(a))
+}
+
+/// `viscous_cubic at joint 1: viscous_cubic 9.53 (8.1 to 11) is in the mended twin as well: that curve of the joint bends as no
+/// single law does`
+pub fn law(a: &Cause) -> String {
+    let value = first_value(a);
+    format!(
+        "{value} is in the mended twin as well: that curve of the joint bends as no single law does"
+    )
+}
+
+/// An effect, where it acts, and the value that is told of it first.
+fn first_value(a: &Cause) -> String {
     let value = foremost(a).map_or(String::new(), |v| {
         format!(": {} {} ({} to {})", parameter(v), digits(v.value), digits(v.low), digits(v.high))
     });
-    format!(
-        "{} at {}{value} helps and is in the mended twin; it is not named, for {why}",
-        a.effect,
-        place(&a.joints)
-    )
+    format!("{} at {}{value}", a.effect, place(&a.joints))
 }
 
 /// What is told of a cause first: its first value; of many links that of the link that is off the most, as

@@ -4,7 +4,8 @@
 
 use super::hysteresis::{along, bent};
 use super::{
-    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts,
+    About, Curve, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+    starts,
 };
 
 pub struct Lugre;
@@ -75,6 +76,10 @@ static ABOUT: About = About {
 impl Effect for Lugre {
     fn about(&self) -> &'static About {
         &ABOUT
+    }
+
+    fn law_of(&self) -> Option<Curve> {
+        Some(Curve::Reversal)
     }
 
     fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {

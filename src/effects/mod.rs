@@ -257,6 +257,15 @@ pub struct About {
     pub source: &'static str,
 }
 
+/// What several effects of the catalogue are laws of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Curve {
+    /// How viscous friction bends over velocity.
+    Viscous,
+    /// How friction builds up over the way since a reversal.
+    Reversal,
+}
+
 /// A physical effect: the contract a new file in this folder implements, plus one line in
 /// [`CATALOGUE`]. Only `about` has no default; an effect implements the hooks where it acts.
 ///
@@ -371,6 +380,12 @@ pub trait Effect: Sync {
     /// slope to follow): they stay as a twin has them, or usual.
     fn kept(&self) -> &'static [&'static str] {
         &[]
+    }
+
+    /// Explain: the curve it is a law of. A joint has one such curve, however many laws it takes to come near it: they are one
+    /// cause.
+    fn law_of(&self) -> Option<Curve> {
+        None
     }
 
     /// Does it put a spring or a gap between motor and link?

@@ -4,7 +4,8 @@
 
 use super::hysteresis::{along, dahl};
 use super::{
-    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts,
+    About, Curve, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+    starts,
 };
 
 pub struct Presliding;
@@ -45,6 +46,10 @@ static ABOUT: About = About {
 impl Effect for Presliding {
     fn about(&self) -> &'static About {
         &ABOUT
+    }
+
+    fn law_of(&self) -> Option<Curve> {
+        Some(Curve::Reversal)
     }
 
     fn starts(&self, _: &Motion<'_>, _: usize) -> Vec<Vec<f64>> {

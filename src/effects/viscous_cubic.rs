@@ -1,7 +1,7 @@
 //! Cubic viscous friction: tau = F3 qd^3.
 
 use super::{
-    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+    About, Curve, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
 };
 
 pub struct ViscousCubic;
@@ -28,6 +28,10 @@ impl Effect for ViscousCubic {
             remedy: "make the damping depend on speed, Fv + F3 qd^2; no common simulator format holds it",
             source: "the paper's Eq. 1, last term of the viscous friction; sign as fitted",
         }
+    }
+
+    fn law_of(&self) -> Option<Curve> {
+        Some(Curve::Viscous)
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {

@@ -1,7 +1,7 @@
 //! Quadratic viscous friction: tau = F2 qd |qd|.
 
 use super::{
-    About, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
+    About, Curve, Effect, JointLoad, JointState, Motion, Parameter, Role, RoundTrip, Scope, Worked,
 };
 
 pub struct ViscousQuadratic;
@@ -28,6 +28,10 @@ impl Effect for ViscousQuadratic {
             remedy: "make the damping depend on speed, Fv + F2 |qd|; no common simulator format holds it",
             source: "the paper's Eq. 1, third term of the viscous friction; sign as fitted",
         }
+    }
+
+    fn law_of(&self) -> Option<Curve> {
+        Some(Curve::Viscous)
     }
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, _: &[f64]) -> Vec<Vec<f64>> {
