@@ -13,6 +13,11 @@ const UR5: &str = "kkufieta-ur5_modeling_force_estimate";
 /// Stated for the loaded recordings of the UR10e.
 const LOAD_KG: f64 = 2.805;
 
+/// The manufacturer's masses of a UR10e's links 3 to 6.
+const OUTER_LINKS_KG: [f64; 4] = [3.989, 2.1, 1.98, 0.615];
+/// What a bad model has for each.
+const TWO_KG: f64 = 2.0;
+
 /// Where recordings and programs of others are.
 pub fn shared() -> PathBuf {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
@@ -173,6 +178,15 @@ fn links_of_a_bad_model_are_one_cause() {
     // A mass and three first moments of each link, whose neighbours can make up for it: no joint stands by itself.
     assert_eq!(links["parameters"].as_array().unwrap().len(), 4 * 6, "{links}");
     assert_ne!(links["joints"].as_array().unwrap().len(), 1, "{links}");
+    assert!(links["shrink"]["fraction"].as_f64().unwrap() > 0.9, "{links}");
+    for value in links["parameters"].as_array().unwrap().iter().filter(|v| v["name"] == "link_mass")
+    {
+        // Whether the first two are heavier no joint tells: they turn about their own axis, or as the next one's moments do.
+        let joint = value["joint"].as_u64().unwrap() as usize;
+        let Some(known) = joint.checked_sub(3).map(|i| OUTER_LINKS_KG[i]) else { continue };
+        let [low, high] = ["low", "high"].map(|key| value[key].as_f64().unwrap());
+        assert!(low < known - TWO_KG && known - TWO_KG < high, "{value}, known {known} kg");
+    }
     let both = names(&found, "load_friction", 2) && names(&found, "load_friction", 3);
     assert!(both, "{:?}", causes(&found));
     // As little is left as with the manufacturer's links.
@@ -196,7 +210,7 @@ fn two_kilograms(urdf: &str) -> String {
     let mut factor = 1.0;
     let scaled = |line: &str| match line.split('"').collect::<Vec<_>>()[..] {
         [before, number, after] if before.trim_start().starts_with("<mass value=") => {
-            factor = 2.0 / number.parse::<f64>().unwrap();
+            factor = TWO_KG / number.parse::<f64>().unwrap();
             format!("{before}\"2.0\"{after}")
         }
         ref parts if line.trim_start().starts_with("<inertia ") => {
