@@ -169,12 +169,14 @@ pub fn candidates(twin: &Twin, without: &[String], recordings: &[usize]) -> Vec<
     all
 }
 
-/// Places of an effect: each joint, and all joints alike where no parameter depends on a joint's size.
+/// Places of an effect: each joint, and all joints alike where no parameter depends on a joint's size. Gears rub each by
+/// itself; servos of an arm are of one kind.
 fn places(effect: &dyn Effect, twin: &Twin, stated: bool) -> impl Iterator<Item = Place> + use<> {
     let about = effect.about();
     let sizeless = about.parameters.iter().all(|p| matches!(p.unit, "-" | "s"));
     let each = if about.scope == Scope::Arm { 0 } else { twin.robot.dof() };
-    let arm = about.scope == Scope::Arm || (about.scope == Scope::Joint && sizeless && !stated);
+    let alike = sizeless && (!about.dissipates || twin.drive.servo.is_some());
+    let arm = about.scope == Scope::Arm || (about.scope == Scope::Joint && alike && !stated);
     (0..each).map(Place::Joint).chain(arm.then_some(Place::Arm))
 }
 
@@ -428,5 +430,13 @@ mod tests {
             assert!(at >= least && (least > 0 || at == 0), "{name}: {at} candidates");
             assert!(candidates(&twin, &[name.into()], &[0]).iter().all(|c| c.name() != name));
         }
+    }
+
+    /// One delay is that of all channels, one friction not that of all gears.
+    #[test]
+    fn gears_of_an_arm_rub_each_by_itself() {
+        let all = candidates(&Twin::default(), &[], &[0]);
+        let alike = |name: &str| all.iter().any(|c| c.name() == name && c.place == Place::Arm);
+        assert!(alike("time_delay") && alike("torque_constant") && !alike("load_friction"));
     }
 }
