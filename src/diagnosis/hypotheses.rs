@@ -153,10 +153,21 @@ impl<'a> Hypotheses<'a> {
         screened: Vec<Screened>,
         most: usize,
     ) -> Vec<Hypothesis<'a>> {
+        self.weigh_beside(state, screened, most, f64::INFINITY)
+    }
+
+    /// The same with all that comes close to a hypothesis of so many `nats`, whatever is better.
+    fn weigh_beside(
+        &self,
+        state: &Fit<'a>,
+        screened: Vec<Screened>,
+        most: usize,
+        nats: f64,
+    ) -> Vec<Hypothesis<'a>> {
         let best = |e: Extent| screened.iter().find(|s| s.trial.candidate.extent() == e);
         let promising = |s: &Screened| {
             let best = best(s.trial.candidate.extent()).map_or(0.0, |b| b.gain);
-            s.gain.is_finite() && is_near(s.gain, best)
+            s.gain.is_finite() && is_near(s.gain, best.min(nats + self.ln_rivals()))
         };
         let promising: Vec<bool> = screened.iter().map(promising).collect();
         let worth = screened.into_iter().zip(promising).filter(|(_, p)| *p).map(|(s, _)| s);
@@ -169,7 +180,7 @@ impl<'a> Hypotheses<'a> {
         let mut ranked: Vec<Hypothesis> = worth.par_iter().map(as_screened).collect();
         let top = ranked.iter().map(|h| h.nats).fold(f64::NEG_INFINITY, f64::max);
         let refined = |(h, s): (&mut Hypothesis<'a>, &Screened)| {
-            let promising = h.nats > 0.0 && is_near(h.nats, top);
+            let promising = h.nats > 0.0 && is_near(h.nats, top.min(nats));
             // References follow at little cost, and columns are right where they have followed alone.
             let follows = h.trial.searched().is_empty();
             if h.trial.starts[0].is_empty() || !(promising || follows) {
@@ -221,18 +232,29 @@ impl<'a> Hypotheses<'a> {
         self.tuned(without, &self.touched(cause))
     }
 
-    /// What might be there in place of a cause, where it acts: what acts on more joints takes what other
-    /// causes are for, and competes in a round.
+    /// What might be there in place of a cause of so many `nats`, where it acts: what acts on more joints takes what
+    /// other causes are for, and competes in a round.
     pub fn rivals(
         &self,
         fit: &Fit<'a>,
         without: &Fit<'a>,
-        cause: Candidate,
+        (cause, nats): (Candidate, f64),
         most: usize,
     ) -> Vec<Hypothesis<'a>> {
         let mut open = self.open(&fit.model);
         open.retain(|c| c.extent() == cause.extent());
-        self.weigh(without, screen(without, &open), most)
+        self.weigh_beside(without, screen(without, &open), most, nats)
+    }
+
+    /// May another hypothesis be there in place of `cause`, one of those of `fit`? Where each is called for beside the
+    /// other they are two causes, and none speaks against the other.
+    fn is_instead(&self, fit: &Fit<'a>, cause: &Hypothesis<'a>, other: &Hypothesis<'a>) -> bool {
+        let least = self.criteria.least_nats;
+        if other.nats <= least || other.at_bound.is_some() {
+            return true;
+        }
+        let beside = self.tried(fit, &other.fit.sizes, &other.trial.term()).nats;
+        beside <= least || cause.nats + beside - other.nats <= least
     }
 
     /// Every cause among its rivals.
@@ -244,11 +266,93 @@ impl<'a> Hypotheses<'a> {
     pub fn standing(&self, last: &Fit<'a>, i: usize) -> Standing<'a> {
         let cause = &last.model.causes[i];
         let without = self.without(last, i);
-        let mut ranked = self.rivals(last, &without, cause.candidate, WEIGHED);
-        ranked.push(self.tried(&without, &last.sizes, cause));
+        let mine = self.tried(&without, &last.sizes, cause);
+        let mut ranked = self.rivals(last, &without, (cause.candidate, mine.nats), WEIGHED);
+        ranked.retain(|other| self.is_instead(last, &mine, other));
+        ranked.push(mine);
         ranked.sort_by(|a, b| b.nats.total_cmp(&a.nats));
         let mine = |h: &Hypothesis| h.candidate() == cause.candidate;
         let index = ranked.iter().position(mine).unwrap_or_default();
         Standing { ranked, index, without }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::observed::Observed;
+    use crate::effects::find;
+    use crate::signals::Samples;
+    use crate::signals::testing::{noisy, samples};
+    use crate::twin::Twin;
+
+    const JOINT: usize = 1;
+
+    /// What is told of a recording of `arm` by a twin that knows none of its effects, of which a joint has `more`, N.m.
+    fn of_arm<T>(
+        arm: &Twin,
+        more: impl Fn(&Samples) -> Vec<f64>,
+        noise_nm: f64,
+        candidates: &[Candidate],
+        told: impl Fn(&Hypotheses<'_>) -> T,
+    ) -> T {
+        let twin = Twin::default();
+        let mut made = samples(6, 3000, |j, t| {
+            0.7 * ((0.9 + 0.2 * j as f64) * t).sin() + 0.4 * (0.6 * t + j as f64).cos()
+        });
+        made.torque = arm.torque(&arm.motion(&made));
+        let more = more(&made);
+        made.torque.joint_mut(JOINT).iter_mut().zip(more).for_each(|(t, more)| *t += more);
+        noisy(&mut made, noise_nm);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let data = Data::plain(vec![&observed]);
+        let (candidates, criteria) = (candidates.to_vec(), Criteria::default());
+        told(&Hypotheses { data: &data, candidates, criteria })
+    }
+
+    /// An offset and a friction that bends, of which one was found: the other has more evidence and is no rival. What looks
+    /// like the offset is one.
+    #[test]
+    fn what_is_called_for_beside_a_cause_is_no_rival() {
+        let at = |name: &str| Candidate::new(find(name).unwrap(), Place::Joint(JOINT));
+        let [offset, same, other] =
+            ["current_offset", "coulomb_asymmetry", "viscous_quadratic"].map(at);
+        let more = |made: &Samples| {
+            let bent = other.effect.columns(&Twin::default().motion(made), JOINT, &[]).remove(0);
+            bent.into_iter().map(|v| 0.2 + 8.0 * v).collect()
+        };
+        let names: Vec<Candidate> =
+            of_arm(&Twin::default(), more, 0.3, &[offset, same, other], |all| {
+                let start = Fit::plain(all.data, Model::of(all.data.twin));
+                let last = Fit::plain(all.data, start.model.with(Term::new(offset, Vec::new())));
+                let other = all.tried(&last, &last.sizes, &Term::new(other, Vec::new()));
+                let standing = all.standing(&last, 0);
+                assert!(other.nats > standing.cause().nats && standing.cause().nats > 3.0);
+                standing.ranked.iter().map(|h| h.candidate()).collect()
+            });
+        assert!(names.contains(&offset) && names.contains(&same), "{names:?}");
+        assert!(!names.contains(&other), "{names:?}");
+    }
+
+    /// How large moments and inertia of a load can be follows from its mass, which no start says.
+    #[test]
+    fn a_light_load_is_screened_as_it_is_weighed() {
+        let mut arm = Twin::default();
+        arm.effects.push("payload".into());
+        let values = [("mass", 0.3), ("moment_x", 0.0), ("moment_y", 0.0), ("moment_z", 0.03)];
+        for (name, value) in values {
+            arm.values.insert(format!("payload_{name}"), vec![value]);
+        }
+        let payload = Candidate::new(find("payload").unwrap(), Place::Arm);
+        let none = |made: &Samples| vec![0.0; made.len()];
+        let [screened, weighed] = of_arm(&arm, none, 3.0, &[payload], |all| {
+            let start = Fit::plain(all.data, Model::of(all.data.twin));
+            let about = screen(&start, &[payload]).remove(0);
+            let about_nats = about.gain - all.ln_rivals();
+            [about_nats, all.weigh(&start, vec![about], 1).remove(0).nats]
+        });
+        assert!(weighed > 3.0 && is_near(screened, weighed), "{screened} {weighed}");
     }
 }

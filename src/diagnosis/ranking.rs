@@ -57,9 +57,10 @@ pub fn is_equal(
     let exact = !gain.needs_replication(mine.candidate(), criteria);
     let trusted = |h: &Hypothesis<'_>| criteria.trusted(h.nats);
     let near = |mine: f64, other: f64| mine - other < criteria.margin(mine, exact);
-    let as_well =
-        || near(trusted(mine), trusted(h)) || near(standing.shown(mine), standing.shown(h));
-    !is_mine(standing, h) && h.at_bound.is_none() && h.nats > 0.0 && as_well()
+    let as_well = |mine: f64, other: f64| other > 0.0 && near(mine, other);
+    let by_all = || as_well(trusted(mine), trusted(h));
+    let by_data = || as_well(standing.shown(mine), standing.shown(h));
+    !is_mine(standing, h) && h.at_bound.is_none() && (by_all() || by_data())
 }
 
 /// Probabilities of the hypotheses not rejected, in order; the last: the other causes alone are at work.

@@ -65,7 +65,7 @@ fn exchanged<'a>(all: &Hypotheses<'a>, fit: &Fit<'a>, fresh: &[Candidate]) -> Op
         if mine < all.criteria.least_nats {
             return Some(without);
         }
-        let ranked = all.rivals(fit, &without, cause, WEIGHED / 2);
+        let ranked = all.rivals(fit, &without, (cause, f64::INFINITY), WEIGHED / 2);
         let best = ranked.into_iter().find(|h| h.at_bound.is_none())?;
         (best.nats > mine + all.criteria.least_nats).then_some(best.fit)
     })

@@ -19,6 +19,8 @@ use crate::regression::{Column, Projected, Raw, System};
 /// Steps by which all groups of the discrepancy are made smaller: as they are, a quarter, a
 /// sixteenth, and none.
 const SMALLER: [u8; 4] = [0, 2, 4, u8::MAX];
+/// Rounds of setting references from what is fitted.
+const FOLLOWED: usize = 2;
 
 /// The best start of a candidate.
 pub struct Screened {
@@ -85,19 +87,52 @@ fn best_start(fit: &Fit<'_>, frames: &[Frame], candidate: Candidate) -> Screened
             true => Arc::new(vec![slopes::of_sensor(fit, candidate, nonlinear)]),
             false => fit.raw_kept(candidate, nonlinear),
         };
-        let priors = expected(fit.data, candidate, nonlinear, &raw);
-        for frame in frames {
-            let added = frame.add(fit, candidate, &raw, &priors);
-            let gain = added.likelihood - added.projected.narrowing(&priors);
-            if gain > best.gain {
-                best.gain = gain;
-                best.sizes.clone_from(&frame.sizes);
-                best.trial = at(&best.trial, nonlinear, added.linear);
-            }
-        }
+        try_at(fit, frames, (nonlinear, &raw), &mut best);
     }
+    follow(fit, frames, &mut best);
     best.gain -= best.trial.term().ln_starts();
     best
+}
+
+/// The candidate with these nonlinear values, which have the columns `raw`, where that is better than what was best.
+fn try_at(
+    fit: &Fit<'_>,
+    frames: &[Frame],
+    (nonlinear, raw): (&[f64], &[Raw]),
+    best: &mut Screened,
+) {
+    let candidate = best.trial.candidate;
+    let priors = expected(fit.data, candidate, nonlinear, raw);
+    for frame in frames {
+        let added = frame.add(fit, candidate, raw, &priors);
+        let gain = added.likelihood - added.projected.narrowing(&priors);
+        if gain > best.gain {
+            best.gain = gain;
+            best.sizes.clone_from(&frame.sizes);
+            best.trial = at(&best.trial, nonlinear, added.linear);
+        }
+    }
+}
+
+/// References follow from what is fitted where they say how large the rest can be: how long a load is depends on what it
+/// weighs, which no start says.
+fn follow(fit: &Fit<'_>, frames: &[Frame], best: &mut Screened) {
+    let candidate = best.trial.candidate;
+    if best.trial.linear.is_empty() {
+        return;
+    }
+    let expected = |nonlinear: &[f64]| candidate.expected(fit.data.twin, nonlinear);
+    for _ in 0..FOLLOWED {
+        let (before, mut nonlinear) = (best.gain, best.trial.nonlinear.clone());
+        candidate.settle(&best.trial.linear, &mut nonlinear);
+        if expected(&nonlinear) == expected(&best.trial.nonlinear) {
+            return;
+        }
+        try_at(fit, frames, (&nonlinear, &fit.raw(candidate, &nonlinear)), best);
+        if best.gain <= before {
+            return;
+        }
+    }
 }
 
 /// The trial with these values; of a sensor the value is the nonlinear one.
