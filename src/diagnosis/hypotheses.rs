@@ -153,11 +153,12 @@ impl<'a> Hypotheses<'a> {
         screened: Vec<Screened>,
         most: usize,
     ) -> Vec<Hypothesis<'a>> {
-        self.weigh_beside(state, screened, most, f64::INFINITY)
+        self.weigh_against(state, screened, most, f64::INFINITY)
     }
 
-    /// The same with all that comes close to a hypothesis of so many `nats`, whatever is better.
-    fn weigh_beside(
+    /// The same with all that comes close to a hypothesis of so many `nats`, whatever is better; infinite where only the best
+    /// counts.
+    fn weigh_against(
         &self,
         state: &Fit<'a>,
         screened: Vec<Screened>,
@@ -232,8 +233,8 @@ impl<'a> Hypotheses<'a> {
         self.tuned(without, &self.touched(cause))
     }
 
-    /// What might be there in place of a cause of so many `nats`, where it acts: what acts on more joints takes what
-    /// other causes are for, and competes in a round.
+    /// What might be there in place of a cause of so many nats (as in [`Self::weigh_against`]), where it acts: what acts on
+    /// more joints takes what other causes are for, and competes in a round.
     pub fn rivals(
         &self,
         fit: &Fit<'a>,
@@ -243,7 +244,7 @@ impl<'a> Hypotheses<'a> {
     ) -> Vec<Hypothesis<'a>> {
         let mut open = self.open(&fit.model);
         open.retain(|c| c.extent() == cause.extent());
-        self.weigh_beside(without, screen(without, &open), most, nats)
+        self.weigh_against(without, screen(without, &open), most, nats)
     }
 
     /// May another hypothesis be there in place of `cause`, one of those of `fit`? Where each is called for beside the
