@@ -69,7 +69,8 @@ impl CrossValidated {
 pub struct PositionShrink {
     pub effect: String,
     pub joints: Vec<usize>,
-    pub before_rad: f64,
+    /// `None` where the arm runs away without it.
+    pub before_rad: Option<f64>,
     pub after_rad: f64,
     /// 1 - after^2 / before^2.
     pub fraction: f64,

@@ -152,6 +152,11 @@ pub fn how_far(d: &Diagnosis) -> String {
     }
 }
 
+/// Error of the simulated position (rad) without a cause, mrad.
+pub fn without(before_rad: Option<f64>) -> String {
+    before_rad.map_or_else(|| "runs away".into(), |rad| format!("{:.2}", 1e3 * rad))
+}
+
 /// What a cause takes off the check recording where it is added to all the others: sizes without and with it, root mean
 /// square, and its share of the mean square. Of position servos the position counts, along the whole command.
 pub fn takes_off(d: &Diagnosis, c: &Cause) -> (String, f64) {
@@ -159,8 +164,8 @@ pub fn takes_off(d: &Diagnosis, c: &Cause) -> (String, f64) {
     let by_position = d.position.iter().flat_map(|position| &position.causes).find(is_own);
     match by_position {
         Some(p) => {
-            let [before, after] = [p.before_rad, p.after_rad].map(|rad| 1e3 * rad);
-            (format!("{before:.2} -> {after:.2} mrad"), p.fraction)
+            let (before, after) = (without(p.before_rad), 1e3 * p.after_rad);
+            (format!("{before} -> {after:.2} mrad"), p.fraction)
         }
         None => {
             let Checked { check_before_nm, check_after_nm, fraction, .. } = c.shrink;

@@ -6,12 +6,13 @@
 //! far the twin is off, the second is small, so that its sensitivities are good. Values of what is found are then
 //! fitted by simulation, too.
 
+use super::choice::Sifted;
 use super::fit::Fit;
 use super::folds::{Folds, Halved};
 use super::judge::{Mended, prove};
 use super::refit::{Refits, Refitted};
 use super::scatter::{birge_ratio, widen};
-use super::sift::{Sieve, Sifted};
+use super::sift::Sieve;
 use super::sizes::Sizes;
 use super::{Free, ServoError, Settings, Track, free_parameters, linearised};
 use crate::diagnosis::{self, Change, CrossValidated, Diagnosis, Offer, Traces, diagnose_proved};

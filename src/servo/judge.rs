@@ -58,14 +58,26 @@ pub fn prove(
     let rms = gaps[1].rms_rad();
     let without = |cause: &Cause| -> Result<PositionShrink, ServoError> {
         let twin = taken_out(after, twin, &Change::from(cause));
-        let before_rad = PositionGap::new(track, &of(&twin)?).rms_rad();
+        let before_rad = rms_rad(&twin, track)?;
         let Cause { effect, joints, .. } = cause.clone();
-        let fraction = share(before_rad, rms);
+        let fraction = share(before_rad.unwrap_or(f64::INFINITY), rms);
         Ok(PositionShrink { effect, joints, before_rad, after_rad: rms, fraction })
     };
     let causes = diagnosis.causes.par_iter().map(without).collect::<Result<_, _>>()?;
     put(diagnosis, &gaps, mended, causes);
     Ok(vec![q_before, q_after])
+}
+
+/// Error of a twin led along the command of a recording, root mean square over joints, rad; `None` where it runs away.
+///
+/// # Errors
+/// If it cannot be simulated for another reason.
+pub fn rms_rad(twin: &Twin, track: &Track) -> Result<Option<f64>, ServoError> {
+    match replay(twin, track, &track.stretches(f64::INFINITY)) {
+        Ok(q) => Ok(Some(PositionGap::new(track, &q).rms_rad())),
+        Err(ServoError::Diverged { .. }) => Ok(None),
+        Err(other) => Err(other),
+    }
 }
 
 /// What the twin leaves open takes the values that were fitted by simulation.

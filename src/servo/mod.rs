@@ -8,6 +8,7 @@
 //! diagnosis, beside its sensitivities.
 
 mod arm;
+mod choice;
 mod diagnose;
 mod error;
 mod fit;

@@ -9,11 +9,12 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::ServoError;
+use super::choice::{Choice, Sifted, Tried};
 use super::folds::{Folds, Twins};
 use super::refit::is_at_bound;
 use super::screen::{Other, starts};
-use super::sizes::{Sizes, is_more};
-use crate::diagnosis::{Change, Offer, Settings, Stands};
+use super::sizes::Sizes;
+use crate::diagnosis::{Change, Offer, Settings};
 
 /// Fits of changes to halves of two recordings, and the other halves, which a change has to hold against.
 pub struct Sieve<'a> {
@@ -27,17 +28,6 @@ const TRIED: usize = 10;
 /// less than this share of the best cannot pass it.
 const PROMISING: f64 = 0.5;
 
-/// Which changes stand, and the twins with them.
-#[derive(Clone)]
-pub struct Sifted {
-    pub stand: Vec<Stands>,
-    pub mended: Twins,
-    /// What they leave of the halves that they were not fitted to.
-    pub left: Sizes,
-    /// What was left of these when nothing stood.
-    pub before: Sizes,
-}
-
 /// A change with which the twins come nearer before it is fitted, and where fits of it begin.
 struct Promising {
     index: usize,
@@ -46,65 +36,87 @@ struct Promising {
     gain: f64,
 }
 
-/// Twins with one change more.
-struct Tried {
-    index: usize,
-    twins: Twins,
-    left: Sizes,
-    /// Has the change a value at the end of its range?
-    at_bound: bool,
-}
-
-impl Sifted {
-    fn changes(&self, offers: &[Offer]) -> Vec<Change> {
-        self.stand.iter().map(|s| offers[s.index].change.clone()).collect()
-    }
-
-    /// With one more, and others that do as well in its place.
-    fn add(&mut self, index: usize, equals: Vec<usize>) {
-        // What looked the same as an earlier one and is there beside it is another.
-        self.stand.iter_mut().for_each(|s| s.equals.retain(|i| *i != index));
-        self.stand.push(Stands { index, equals });
-    }
+/// A change that would have been taken up in place of another.
+struct Rival {
+    /// What stood before.
+    beside: Sifted,
+    /// What was open besides.
+    open: Vec<usize>,
+    tried: Tried,
+    equals: Vec<usize>,
 }
 
 impl Sieve<'_> {
     /// Which of the changes that are offered, the most plausible first, take something sure off the simulated position's
     /// error, taken up one after the other: those that promise something are fitted, and each time that stands with which it comes
-    /// nearest beside what there is already, of what takes off as much the most plausible; the others are its equals. In the end
-    /// each has to take something off beside all others.
+    /// nearest beside what there is already, of what takes off as much the most plausible; the others are its equals. What comes
+    /// nearest alone may be in the way of several that come nearer together: so the strongest rival of each is taken up in its
+    /// place, too. In the end each has to take something off beside all others.
     ///
     /// # Errors
     /// If the twin cannot be fitted or simulated.
     pub fn sift(&self, offers: &[Offer]) -> Result<Sifted, ServoError> {
+        let choice = &Choice { offers, settings: self.settings };
         let mended = self.folds.before();
         let left = self.folds.left(&mended)?;
         let before = left.clone();
-        let mut sifted = Sifted { stand: Vec::new(), mended, left, before };
-        let mut open: Vec<usize> = (0..offers.len()).collect();
+        let none = Sifted { stand: Vec::new(), mended, left, before };
+        let open = (0..offers.len()).collect();
         // What has no tangent, as it was fitted once.
         let mut fitted = BTreeMap::new();
+        let (mut sifted, rivals) = self.grown(none, open, choice, &mut fitted)?;
+        for Rival { beside, open, tried, equals } in rivals {
+            let before = beside.stand.len();
+            let instead = self.taken_up(beside, (&tried, equals), choice)?;
+            if instead.stand.len() == before {
+                continue;
+            }
+            let (instead, _) = self.grown(instead, open, choice, &mut fitted)?;
+            if choice.takes_off(&sifted, [&sifted.left, &instead.left], 1) {
+                sifted = instead;
+            }
+        }
+        self.needed(sifted, choice)
+    }
+
+    /// What stands, and those of the open changes that are taken up beside it; and what might have been, instead of each.
+    fn grown(
+        &self,
+        mut sifted: Sifted,
+        mut open: Vec<usize>,
+        choice: &Choice<'_>,
+        fitted: &mut BTreeMap<usize, Twins>,
+    ) -> Result<(Sifted, Vec<Rival>), ServoError> {
+        let mut rivals = Vec::new();
         for round in 0.. {
             // Every round takes one up, or puts several aside.
             let at_most = round + open.len() as u64;
             self.folds.watch.bound("fitting causes together by simulation", round, at_most);
-            let promising = self.promising(&sifted, offers, &open, &mut fitted)?;
+            let taken = sifted.changes(choice.offers);
+            let overlaps = |i: usize| taken.iter().any(|c| choice.offers[i].change.overlaps(c));
+            open.retain(|i| !overlaps(*i));
+            let promising = self.promising(&sifted, choice, &open, fitted)?;
             if promising.is_empty() {
                 break;
             }
             let worth = worth_a_fit(&promising);
             let mut used: Vec<usize> = worth.iter().map(|p| p.index).collect();
-            let beside = |one: &Promising| self.beside(&sifted, offers, one);
+            let beside = |one: &Promising| self.beside(&sifted, choice, one);
             let tried: Vec<Tried> = worth.par_iter().map(beside).collect::<Result<_, _>>()?;
-            if let Some((best, equals)) = self.best(&sifted, &tried, offers) {
+            if let Some((best, equals)) = choice.best(&sifted, tried.iter().collect()) {
                 used = vec![best.index];
-                sifted = self.taken_up(sifted, (best, equals), offers)?;
+                let rival = choice.rival(&sifted, &tried, (best, &equals));
+                rivals.extend(rival.map(|(rival, equals)| Rival {
+                    beside: sifted.clone(),
+                    open: open.iter().copied().filter(|i| *i != rival.index).collect(),
+                    tried: rival.clone(),
+                    equals,
+                }));
+                sifted = self.taken_up(sifted, (best, equals), choice)?;
             }
-            let taken = sifted.changes(offers);
-            let overlaps = |i: usize| taken.iter().any(|c| offers[i].change.overlaps(c));
-            open.retain(|i| !used.contains(i) && !overlaps(*i));
+            open.retain(|i| !used.contains(i));
         }
-        self.needed(sifted, offers)
+        Ok((sifted, rivals))
     }
 
     /// What stands with one more and all values fitted, beside which that may come to nothing: then without it.
@@ -112,20 +124,20 @@ impl Sieve<'_> {
         &self,
         sifted: Sifted,
         (one, equals): (&Tried, Vec<usize>),
-        offers: &[Offer],
+        choice: &Choice<'_>,
     ) -> Result<Sifted, ServoError> {
         let mut with = sifted.clone();
         with.add(one.index, equals);
-        self.fit_all(&mut with, &one.twins, offers)?;
-        let in_full = self.tried(one.index, offers, with.mended.clone())?;
-        Ok(if self.stands(&sifted, &in_full, offers) { with } else { sifted })
+        self.fit_all(&mut with, &one.twins, choice)?;
+        let in_full = self.tried(one.index, choice, with.mended.clone())?;
+        Ok(if choice.stands(&sifted, &in_full) { with } else { sifted })
     }
 
     /// Without what the others, taken up later, have made needless: what takes nothing sure off beside them, or has gone to the end
     /// of its range, the least first.
-    fn needed(&self, mut sifted: Sifted, offers: &[Offer]) -> Result<Sifted, ServoError> {
+    fn needed(&self, mut sifted: Sifted, choice: &Choice<'_>) -> Result<Sifted, ServoError> {
         while !sifted.stand.is_empty() {
-            let changes = sifted.changes(offers);
+            let changes = sifted.changes(choice.offers);
             let without = |i: usize| -> Result<(usize, Twins, Sizes), ServoError> {
                 let twins = self.folds.each(sifted.mended.each_ref(), |fold, mended| {
                     fold.refits.without(mended, &changes, i)
@@ -136,9 +148,9 @@ impl Sieve<'_> {
             let all = 0..changes.len();
             let mut idle: Vec<_> =
                 all.into_par_iter().map(without).collect::<Result<_, ServoError>>()?;
-            let among = |i: usize| offers[sifted.stand[i].index].among;
+            let among = |i: usize| choice.offers[sifted.stand[i].index].among;
             let takes_off = |i: usize, without: &Sizes| {
-                self.takes_off(&sifted, [without, &sifted.left], among(i))
+                choice.takes_off(&sifted, [without, &sifted.left], among(i))
             };
             let bound = changes.iter().map(|c| are_at_bound(&sifted.mended, c));
             let bound: Vec<bool> = bound.collect::<Result<_, _>>()?;
@@ -146,7 +158,7 @@ impl Sieve<'_> {
             let least = idle.into_iter().min_by(|a, b| a.2.ln().total_cmp(&b.2.ln()));
             let Some((i, twins, _)) = least else { break };
             sifted.stand.remove(i);
-            self.fit_all(&mut sifted, &twins, offers)?;
+            self.fit_all(&mut sifted, &twins, choice)?;
         }
         Ok(sifted)
     }
@@ -157,9 +169,9 @@ impl Sieve<'_> {
         &self,
         sifted: &mut Sifted,
         near: &Twins,
-        offers: &[Offer],
+        choice: &Choice<'_>,
     ) -> Result<(), ServoError> {
-        let changes = sifted.changes(offers);
+        let changes = sifted.changes(choice.offers);
         let full =
             self.folds.each(near.each_ref(), |fold, near| fold.refits.close(near, &changes))?;
         let (as_near, mended) = (self.folds.left(near)?, self.folds.left(&full)?);
@@ -176,15 +188,15 @@ impl Sieve<'_> {
     fn promising(
         &self,
         sifted: &Sifted,
-        offers: &[Offer],
+        choice: &Choice<'_>,
         open: &[usize],
         fitted: &mut BTreeMap<usize, Twins>,
     ) -> Result<Vec<Promising>, ServoError> {
-        let changes = sifted.changes(offers);
+        let changes = sifted.changes(choice.offers);
         let both = self.folds.each([0, 1], |fold, k| {
             let other = |i: &usize| {
                 let fitted = fitted.get(i).map(|twins| &twins[k]);
-                Other { change: &offers[*i].change, fitted }
+                Other { change: &choice.offers[*i].change, fitted }
             };
             let others: Vec<Other> = open.iter().map(other).collect();
             starts(&fold.refits, (&sifted.mended[k], &changes), &others)
@@ -203,10 +215,10 @@ impl Sieve<'_> {
         let as_is = self.folds.left_as_is(&sifted.mended)?;
         let gain = |(index, starts): (usize, Twins)| -> Result<_, ServoError> {
             let left = self.folds.left_as_is(&starts)?;
-            let is_nearer = left.are_nearer(&as_is, offers[index].among, self.settings);
+            let is_nearer = left.are_nearer(&as_is, choice.offers[index].among, self.settings);
             let gain = as_is.ln() - left.ln();
             let all = sifted.before.ln() - sifted.left.ln() + gain;
-            let is_promising = is_nearer && self.is_more_than_inexact([gain, all], PROMISING);
+            let is_promising = is_nearer && choice.is_more_than_inexact([gain, all], PROMISING);
             Ok(is_promising.then_some(Promising { index, starts, gain }))
         };
         let told: Vec<Option<Promising>> =
@@ -220,68 +232,22 @@ impl Sieve<'_> {
     fn beside(
         &self,
         sifted: &Sifted,
-        offers: &[Offer],
+        choice: &Choice<'_>,
         Promising { index, starts, .. }: &Promising,
     ) -> Result<Tried, ServoError> {
-        let changes = with(&sifted.changes(offers), &offers[*index]);
+        let changes = with(&sifted.changes(choice.offers), &choice.offers[*index]);
         let [a, b] = [0, 1].map(|k| (&sifted.mended[k], &starts[k]));
         let twins = self.folds.each([a, b], |fold, (mended, start)| {
             fold.nearer(start, fold.refits.beside(mended, &changes, start)?)
         })?;
-        self.tried(*index, offers, twins)
+        self.tried(*index, choice, twins)
     }
 
     /// Twins that a change was fitted in.
-    fn tried(&self, index: usize, offers: &[Offer], twins: Twins) -> Result<Tried, ServoError> {
+    fn tried(&self, index: usize, choice: &Choice<'_>, twins: Twins) -> Result<Tried, ServoError> {
         let left = self.folds.left(&twins)?;
-        let at_bound = are_at_bound(&twins, &offers[index].change)?;
+        let at_bound = are_at_bound(&twins, &choice.offers[index].change)?;
         Ok(Tried { index, twins, left, at_bound })
-    }
-
-    /// The most plausible of those with which the error comes nearest, if it does, and the others.
-    fn best<'a>(
-        &self,
-        sifted: &Sifted,
-        tried: &'a [Tried],
-        offers: &[Offer],
-    ) -> Option<(&'a Tried, Vec<usize>)> {
-        let stand = tried.iter().filter(|t| self.stands(sifted, t, offers)).collect();
-        let mut nearest = self.nearest(&sifted.left, stand);
-        nearest.sort_by_key(|t| t.index);
-        let (best, others) = nearest.split_first()?;
-        let own = &offers[best.index].change;
-        let others = others.iter().map(|t| t.index).filter(|i| offers[*i].change.meets(own));
-        Some((best, others.collect()))
-    }
-
-    /// Those that take off as much as any of them, or surely no less: a twin that is wrong otherwise tells no more.
-    fn nearest<'a>(&self, before: &Sizes, mut tried: Vec<&'a Tried>) -> Vec<&'a Tried> {
-        let all = tried.iter().map(|t| &t.left);
-        let Some(nearest) = all.min_by(|a, b| a.ln().total_cmp(&b.ln())) else { return tried };
-        let is_near = |sizes: &Sizes| {
-            let gains = [sizes, before].map(|sizes| sizes.ln() - nearest.ln());
-            !self.is_more_than_inexact(gains, 1.0) || !nearest.are_nearer(sizes, 1, self.settings)
-        };
-        tried.retain(|t| is_near(&t.left));
-        tried
-    }
-
-    /// Does a change come nearer than without it? What fits only at the end of its range is no cause.
-    fn stands(&self, sifted: &Sifted, with: &Tried, offers: &[Offer]) -> bool {
-        let among = offers[with.index].among;
-        !with.at_bound && self.takes_off(sifted, [&sifted.left, &with.left], among)
-    }
-
-    /// Is something surely taken off between two twins, by more than the laws are exact to that take off all the rest?
-    fn takes_off(&self, sifted: &Sifted, [without, with]: [&Sizes; 2], among: usize) -> bool {
-        let gains = [without, &sifted.before].map(|sizes| sizes.ln() - with.ln());
-        with.are_nearer(without, among, self.settings) && self.is_more_than_inexact(gains, 1.0)
-    }
-
-    /// Is the first of two gains, of a change and of all that is taken off with it, more than the share of the second, or `part` of it,
-    /// to which no law is exact?
-    fn is_more_than_inexact(&self, gains: [f64; 2], part: f64) -> bool {
-        is_more(part * self.settings.criteria.least_gain_inexact, gains)
     }
 }
 

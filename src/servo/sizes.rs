@@ -122,11 +122,11 @@ fn share(before: f64, after: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// Two joints for half a minute, whose errors swing about these means.
-    fn about(means: [f64; 2]) -> Sizes {
+    pub fn about(means: [f64; 2]) -> Sizes {
         let swings = |k: usize| 1.0 + 0.5 * (0.7 * k as f64).sin();
         let joints = means.map(|m| (0..3000).map(|k| m * swings(k)).collect());
         Sizes { joints: joints.to_vec(), dof: 2, rounding: vec![1e-4; 2], dt: 0.01 }

@@ -3,12 +3,14 @@
 mod columns;
 mod limits;
 
+use super::choice::Sifted;
 use super::fit::weigh;
 use super::folds::{Folds, Halved};
+use super::judge::rms_rad;
 use super::problem::Problem;
 use super::refit::Refits;
 use super::screen::{Other, starts};
-use super::sift::{Sieve, Sifted};
+use super::sift::Sieve;
 use super::yardstick::Yardstick;
 use super::*;
 use crate::diagnosis::{Change, Offer, Stands, Value};
@@ -229,6 +231,20 @@ fn what_is_fitted_at_one_joint_leaves_the_drive_at_others() {
     let mut heavier = super::parameters::with_values(&twin, &all[3..4], &[0.5]);
     heavier.settle_drive();
     assert_eq!(heavier.drive.rotor_inertia, [1.1, 1.1, 1.1, 0.5, 0.14, 0.14]);
+}
+
+/// What a cause takes off an arm that runs away without it is no reason to say nothing.
+#[test]
+fn what_runs_away_has_no_error() {
+    let (twin, track) = by_rapier(SERVOS);
+    assert!(rms_rad(&twin, &track).unwrap().is_some_and(|rms| rms < 1e-2));
+    let mut wild = twin.clone();
+    wild.effects.push("viscous_cubic".into());
+    wild.values.insert("viscous_cubic".into(), vec![-1e4; 6]);
+    assert_eq!(rms_rad(&wild, &track).unwrap(), None);
+    let mut none = twin;
+    none.drive.servo = None;
+    assert!(rms_rad(&none, &track).is_err());
 }
 
 fn without(twin: &Twin, effect: &str) -> Twin {

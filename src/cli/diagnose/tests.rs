@@ -236,7 +236,7 @@ fn of_position_servos_a_cause_takes_position_off() {
     let mut d = by_hand();
     let Cause { effect, joints, .. } = d.causes[0].clone();
     let (before_rad, after_rad, fraction) = (0.02, 0.012, 0.64);
-    let own = PositionShrink { effect, joints, before_rad, after_rad, fraction };
+    let own = PositionShrink { effect, joints, before_rad: Some(before_rad), after_rad, fraction };
     let cross_validated = CrossValidated { before_rad: 0.03, after_rad: 0.01 };
     d.position = Some(Position {
         before_rad,

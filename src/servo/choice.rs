@@ -1,0 +1,163 @@
+//! Which of several changes of a twin is taken up: by what each leaves of the simulated position's error.
+
+use super::folds::Twins;
+use super::sizes::{Sizes, is_more};
+use crate::diagnosis::{Change, Offer, Settings, Stands};
+
+/// Which changes stand, and the twins with them.
+#[derive(Clone)]
+pub struct Sifted {
+    pub stand: Vec<Stands>,
+    pub mended: Twins,
+    /// What they leave of the halves that they were not fitted to.
+    pub left: Sizes,
+    /// What was left of these when nothing stood.
+    pub before: Sizes,
+}
+
+/// Twins with one change more.
+#[derive(Clone)]
+pub struct Tried {
+    pub index: usize,
+    pub twins: Twins,
+    pub left: Sizes,
+    /// Has the change a value at the end of its range?
+    pub at_bound: bool,
+}
+
+impl Sifted {
+    pub fn changes(&self, offers: &[Offer]) -> Vec<Change> {
+        self.stand.iter().map(|s| offers[s.index].change.clone()).collect()
+    }
+
+    /// With one more, and others that do as well in its place.
+    pub fn add(&mut self, index: usize, equals: Vec<usize>) {
+        // What looked the same as an earlier one and is there beside it is another.
+        self.stand.iter_mut().for_each(|s| s.equals.retain(|i| *i != index));
+        self.stand.push(Stands { index, equals });
+    }
+}
+
+/// Chooses among changes that are offered, the most plausible first.
+pub struct Choice<'a> {
+    pub offers: &'a [Offer],
+    pub settings: &'a Settings,
+}
+
+impl Choice<'_> {
+    /// The most plausible of those with which the error comes nearest, if it does, and the others.
+    pub fn best<'a>(
+        &self,
+        sifted: &Sifted,
+        mut tried: Vec<&'a Tried>,
+    ) -> Option<(&'a Tried, Vec<usize>)> {
+        tried.retain(|t| self.stands(sifted, t));
+        let mut nearest = self.nearest(&sifted.left, tried);
+        nearest.sort_by_key(|t| t.index);
+        let (best, others) = nearest.split_first()?;
+        let own = &self.offers[best.index].change;
+        let others = others.iter().map(|t| t.index).filter(|i| self.offers[*i].change.meets(own));
+        Some((best, others.collect()))
+    }
+
+    /// What would be taken up where a change acts if neither that nor its equals were there, and its equals.
+    pub fn rival<'a>(
+        &self,
+        sifted: &Sifted,
+        tried: &'a [Tried],
+        (best, equals): (&Tried, &[usize]),
+    ) -> Option<(&'a Tried, Vec<usize>)> {
+        let own = &self.offers[best.index].change;
+        let is_other = |t: &&Tried| t.index != best.index && !equals.contains(&t.index);
+        let meets = |t: &&Tried| self.offers[t.index].change.meets(own);
+        self.best(sifted, tried.iter().filter(is_other).filter(meets).collect())
+    }
+
+    /// Those that take off as much as any of them, or surely no less: a twin that is wrong otherwise tells no more.
+    fn nearest<'a>(&self, before: &Sizes, mut tried: Vec<&'a Tried>) -> Vec<&'a Tried> {
+        let all = tried.iter().map(|t| &t.left);
+        let Some(nearest) = all.min_by(|a, b| a.ln().total_cmp(&b.ln())) else { return tried };
+        let is_near = |sizes: &Sizes| {
+            let gains = [sizes, before].map(|sizes| sizes.ln() - nearest.ln());
+            !self.is_more_than_inexact(gains, 1.0) || !nearest.are_nearer(sizes, 1, self.settings)
+        };
+        tried.retain(|t| is_near(&t.left));
+        tried
+    }
+
+    /// Does a change come nearer than without it? What fits only at the end of its range is no cause.
+    pub fn stands(&self, sifted: &Sifted, with: &Tried) -> bool {
+        let among = self.offers[with.index].among;
+        !with.at_bound && self.takes_off(sifted, [&sifted.left, &with.left], among)
+    }
+
+    /// Is something surely taken off between two twins, by more than the laws are exact to that take off all the rest?
+    pub fn takes_off(&self, sifted: &Sifted, [without, with]: [&Sizes; 2], among: usize) -> bool {
+        let gains = [without, &sifted.before].map(|sizes| sizes.ln() - with.ln());
+        with.are_nearer(without, among, self.settings) && self.is_more_than_inexact(gains, 1.0)
+    }
+
+    /// Is the first of two gains, of a change and of all that is taken off with it, more than the share of the second, or `part` of it,
+    /// to which no law is exact?
+    pub fn is_more_than_inexact(&self, gains: [f64; 2], part: f64) -> bool {
+        is_more(part * self.settings.criteria.least_gain_inexact, gains)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sizes::tests::about;
+    use super::*;
+
+    /// Names of what is best, of its equals, and of its rival with the rival's own equals, of changes that leave so much of two joints.
+    fn chosen<'a>(tried: &[(&'a str, &[usize], f64)]) -> (Vec<&'a str>, Vec<&'a str>) {
+        let offer = |(effect, joints, _): &(&str, &[usize], f64)| {
+            let (effect, joints) = ((*effect).to_string(), joints.to_vec());
+            Offer {
+                change: Change { effect, joints, parameters: vec![], replaces: false },
+                among: 1,
+            }
+        };
+        let offers: Vec<Offer> = tried.iter().map(offer).collect();
+        let choice = Choice { offers: &offers, settings: &Settings::default() };
+        let sizes = |mrad: f64| about([1e-3 * mrad; 2]);
+        let none = Sifted {
+            stand: vec![],
+            mended: Twins::default(),
+            left: sizes(8.0),
+            before: sizes(8.0),
+        };
+        let fitted = |(index, (_, _, mrad)): (usize, &(&str, &[usize], f64))| Tried {
+            index,
+            twins: Twins::default(),
+            left: sizes(*mrad),
+            at_bound: false,
+        };
+        let all: Vec<Tried> = tried.iter().enumerate().map(fitted).collect();
+        let names = |(one, equals): (&Tried, Vec<usize>)| -> Vec<&'a str> {
+            [one.index].into_iter().chain(equals).map(|i| tried[i].0).collect()
+        };
+        let (best, equals) = choice.best(&none, all.iter().collect()).unwrap();
+        let rival = choice.rival(&none, &all, (best, &equals));
+        (names((best, equals)), rival.map(names).unwrap_or_default())
+    }
+
+    #[test]
+    fn a_rival_is_what_would_be_taken_up_in_place_of_a_change_and_its_equals() {
+        let (best, rival) = chosen(&[
+            ("payload", &[], 3.0),
+            ("link_inertia", &[5], 3.1),
+            ("servo_friction", &[], 2.0),
+            ("servo_gain", &[], 2.05),
+            ("servo_delay", &[], 6.0),
+        ]);
+        assert_eq!(best, ["servo_friction", "servo_gain"]);
+        assert_eq!(rival, ["payload", "link_inertia"]);
+    }
+
+    #[test]
+    fn what_acts_elsewhere_is_no_rival() {
+        let (best, rival) = chosen(&[("servo_offset", &[1], 2.0), ("servo_gain", &[2], 4.0)]);
+        assert_eq!((best, rival), (vec!["servo_offset"], vec![]));
+    }
+}
