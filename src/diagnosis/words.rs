@@ -153,7 +153,7 @@ pub fn how_far(d: &Diagnosis) -> String {
 }
 
 /// Error of the simulated position (rad) without a cause, mrad.
-pub fn without(before_rad: Option<f64>) -> String {
+pub fn error_without(before_rad: Option<f64>) -> String {
     before_rad.map_or_else(|| "runs away".into(), |rad| format!("{:.2}", 1e3 * rad))
 }
 
@@ -164,7 +164,7 @@ pub fn takes_off(d: &Diagnosis, c: &Cause) -> (String, f64) {
     let by_position = d.position.iter().flat_map(|position| &position.causes).find(is_own);
     match by_position {
         Some(p) => {
-            let (before, after) = (without(p.before_rad), 1e3 * p.after_rad);
+            let (before, after) = (error_without(p.before_rad), 1e3 * p.after_rad);
             (format!("{before} -> {after:.2} mrad"), p.fraction)
         }
         None => {

@@ -45,6 +45,15 @@ pub struct Choice<'a> {
 }
 
 impl Choice<'_> {
+    /// May a change be taken up beside what stands: is it neither there, nor in the whole arm what stands at some joints?
+    pub fn is_open(&self, index: usize, sifted: &Sifted) -> bool {
+        let overlaps = |s: &Stands| {
+            let [own, other] = [index, s.index].map(|i| &self.offers[i].change);
+            s.index == index || own.overlaps(other)
+        };
+        !sifted.stand.iter().any(overlaps)
+    }
+
     /// The most plausible of those with which the error comes nearest, if it does, and the others.
     pub fn best<'a>(
         &self,
@@ -109,7 +118,8 @@ mod tests {
     use super::super::sizes::tests::about;
     use super::*;
 
-    /// Names of what is best, of its equals, and of its rival with the rival's own equals, of changes that leave so much of two joints.
+    /// Names of what is best with its equals, and of its rival with that one's, among changes that leave so much of two
+    /// joints, mrad.
     fn chosen<'a>(tried: &[(&'a str, &[usize], f64)]) -> (Vec<&'a str>, Vec<&'a str>) {
         let offer = |(effect, joints, _): &(&str, &[usize], f64)| {
             let (effect, joints) = ((*effect).to_string(), joints.to_vec());

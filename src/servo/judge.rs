@@ -33,7 +33,7 @@ pub struct Mended {
 /// positions of the first two, rad. Values are told by both recordings, and causes come in the order of the changes.
 ///
 /// # Errors
-/// If a twin runs away.
+/// If one of the first two runs away.
 pub fn prove(
     diagnosis: &mut Diagnosis,
     twin: &Twin,

@@ -38,9 +38,8 @@ struct Promising {
 
 /// A change that would have been taken up in place of another.
 struct Rival {
-    /// What stood before.
+    /// What stood before, and what was open then.
     beside: Sifted,
-    /// What was open besides.
     open: Vec<usize>,
     tried: Tried,
     equals: Vec<usize>,
@@ -66,11 +65,7 @@ impl Sieve<'_> {
         let mut fitted = BTreeMap::new();
         let (mut sifted, rivals) = self.grown(none, open, choice, &mut fitted)?;
         for Rival { beside, open, tried, equals } in rivals {
-            let before = beside.stand.len();
-            let instead = self.taken_up(beside, (&tried, equals), choice)?;
-            if instead.stand.len() == before {
-                continue;
-            }
+            let Some(instead) = self.taken_up(&beside, (&tried, equals), choice)? else { continue };
             let (instead, _) = self.grown(instead, open, choice, &mut fitted)?;
             if choice.takes_off(&sifted, [&sifted.left, &instead.left], 1) {
                 sifted = instead;
@@ -79,7 +74,7 @@ impl Sieve<'_> {
         self.needed(sifted, choice)
     }
 
-    /// What stands, and those of the open changes that are taken up beside it; and what might have been, instead of each.
+    /// What stands with those of the open changes that are taken up beside it, and the strongest rival of each of these.
     fn grown(
         &self,
         mut sifted: Sifted,
@@ -89,12 +84,10 @@ impl Sieve<'_> {
     ) -> Result<(Sifted, Vec<Rival>), ServoError> {
         let mut rivals = Vec::new();
         for round in 0.. {
+            open.retain(|i| choice.is_open(*i, &sifted));
             // Every round takes one up, or puts several aside.
             let at_most = round + open.len() as u64;
             self.folds.watch.bound("fitting causes together by simulation", round, at_most);
-            let taken = sifted.changes(choice.offers);
-            let overlaps = |i: usize| taken.iter().any(|c| choice.offers[i].change.overlaps(c));
-            open.retain(|i| !overlaps(*i));
             let promising = self.promising(&sifted, choice, &open, fitted)?;
             if promising.is_empty() {
                 break;
@@ -106,31 +99,35 @@ impl Sieve<'_> {
             if let Some((best, equals)) = choice.best(&sifted, tried.iter().collect()) {
                 used = vec![best.index];
                 let rival = choice.rival(&sifted, &tried, (best, &equals));
-                rivals.extend(rival.map(|(rival, equals)| Rival {
-                    beside: sifted.clone(),
-                    open: open.iter().copied().filter(|i| *i != rival.index).collect(),
-                    tried: rival.clone(),
-                    equals,
-                }));
-                sifted = self.taken_up(sifted, (best, equals), choice)?;
+                if let Some(with) = self.taken_up(&sifted, (best, equals), choice)? {
+                    let beside = std::mem::replace(&mut sifted, with);
+                    let open = open.clone();
+                    let of = |(tried, equals): (&Tried, _)| Rival {
+                        beside,
+                        open,
+                        tried: tried.clone(),
+                        equals,
+                    };
+                    rivals.extend(rival.map(of));
+                }
             }
             open.retain(|i| !used.contains(i));
         }
         Ok((sifted, rivals))
     }
 
-    /// What stands with one more and all values fitted, beside which that may come to nothing: then without it.
+    /// What stands with one more; `None` where that comes to nothing beside the others, all values fitted.
     fn taken_up(
         &self,
-        sifted: Sifted,
+        sifted: &Sifted,
         (one, equals): (&Tried, Vec<usize>),
         choice: &Choice<'_>,
-    ) -> Result<Sifted, ServoError> {
+    ) -> Result<Option<Sifted>, ServoError> {
         let mut with = sifted.clone();
         with.add(one.index, equals);
         self.fit_all(&mut with, &one.twins, choice)?;
         let in_full = self.tried(one.index, choice, with.mended.clone())?;
-        Ok(if choice.stands(&sifted, &in_full) { with } else { sifted })
+        Ok(choice.stands(sifted, &in_full).then_some(with))
     }
 
     /// Without what the others, taken up later, have made needless: what takes nothing sure off beside them, or has gone to the end

@@ -25,7 +25,7 @@ pub fn page(d: &Diagnosis) -> String {
     );
     for cause in &position.causes {
         let (effect, place) = (&cause.effect, words::place(&cause.joints));
-        let (before, after) = (words::without(cause.before_rad), mrad(cause.after_rad));
+        let (before, after) = (words::error_without(cause.before_rad), mrad(cause.after_rad));
         text += &format!("{effect}, {place}: {before} -> {after} mrad beside the other causes\n");
     }
     if position.birge_ratio > 1.0 {

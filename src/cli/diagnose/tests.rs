@@ -253,4 +253,10 @@ fn of_position_servos_a_cause_takes_position_off() {
     let short = brief::findings(&d);
     assert!(short.contains("64 %") && !short.contains("torque   "), "{short}");
     assert!(words::how_far(&d).contains("30.00 to 10.00 mrad"), "{}", words::how_far(&d));
+    let own = &mut d.position.as_mut().unwrap().causes[0];
+    (own.before_rad, own.fraction) = (None, 1.0);
+    assert_eq!(words::takes_off(&d, &d.causes[0]), ("runs away -> 12.00 mrad".into(), 1.0));
+    // Programs read what was written.
+    let written = serde_json::to_string(&d).unwrap();
+    assert_eq!(serde_json::from_str::<crate::diagnosis::Diagnosis>(&written).unwrap(), d);
 }
