@@ -25,9 +25,25 @@ pub struct Tried {
     pub at_bound: bool,
 }
 
+/// A change and what is its equal.
+pub type Names = (usize, Vec<usize>);
+
 impl Sifted {
     pub fn changes(&self, offers: &[Offer]) -> Vec<Change> {
         self.stand.iter().map(|s| offers[s.index].change.clone()).collect()
+    }
+
+    /// Does a change stand, or one that does as well?
+    pub fn holds(&self, index: usize) -> bool {
+        self.stand.iter().any(|s| s.index == index || s.equals.contains(&index))
+    }
+
+    /// What stands there has others for its equals.
+    fn also(&mut self, index: usize, (other, equals): Names) {
+        let mut others: Vec<usize> = [other].into_iter().chain(equals).collect();
+        others.retain(|i| !self.holds(*i));
+        let own = self.stand.iter_mut().find(|s| s.index == index);
+        own.into_iter().for_each(|s| s.equals.extend(&others));
     }
 
     /// With one more, and others that do as well in its place.
@@ -69,17 +85,40 @@ impl Choice<'_> {
         Some((best, others.collect()))
     }
 
-    /// What would be taken up where a change acts if neither that nor its equals were there, and its equals.
+    /// What would have been taken up beside the first, where a change acts, if neither that nor its equals were there, and its
+    /// equals. What stands in the second, where the change does, is called for beside it: they are two causes.
     pub fn rival<'a>(
         &self,
-        sifted: &Sifted,
+        [beside, in_the_end]: [&Sifted; 2],
         tried: &'a [Tried],
-        (best, equals): (&Tried, &[usize]),
+        (best, equals): (usize, &[usize]),
     ) -> Option<(&'a Tried, Vec<usize>)> {
-        let own = &self.offers[best.index].change;
-        let is_other = |t: &&Tried| t.index != best.index && !equals.contains(&t.index);
+        let own = &self.offers[best].change;
+        let is_other = |t: &&Tried| t.index != best && !equals.contains(&t.index);
         let meets = |t: &&Tried| self.offers[t.index].change.meets(own);
-        self.best(sifted, tried.iter().filter(is_other).filter(meets).collect())
+        let others = tried.iter().filter(is_other).filter(meets);
+        self.best(beside, others.filter(|t| !in_the_end.holds(t.index)).collect())
+    }
+
+    /// Which of two sets of changes stands, each with a change and its equals, of which those of the second were taken up in place
+    /// of the first's: the set that comes nearer. Where they come as near, and the first change is called for in the first alone,
+    /// that of fewer changes, or else of the more plausible one, whose equals the other's are.
+    pub fn nearer(&self, [own, rival]: [(Sifted, Names); 2]) -> Sifted {
+        let is_nearer = |without: &Sifted, with: &Sifted| {
+            self.takes_off(&own.0, [&without.left, &with.left], 1)
+        };
+        if is_nearer(&own.0, &rival.0) {
+            return rival.0;
+        }
+        let is_in_its_place = own.0.holds(own.1.0) && !rival.0.holds(own.1.0);
+        if is_nearer(&rival.0, &own.0) || !is_in_its_place {
+            return own.0;
+        }
+        let costs = |(sifted, names): &(Sifted, Names)| (sifted.stand.len(), names.0);
+        let [simple, other] = if costs(&rival) < costs(&own) { [rival, own] } else { [own, rival] };
+        let (mut stands, (index, _)) = simple;
+        stands.also(index, other.1);
+        stands
     }
 
     /// Those that take off as much as any of them, or surely no less: a twin that is wrong otherwise tells no more.
@@ -119,8 +158,11 @@ mod tests {
     use super::*;
 
     /// Names of what is best with its equals, and of its rival with that one's, among changes that leave so much of two
-    /// joints, mrad.
-    fn chosen<'a>(tried: &[(&'a str, &[usize], f64)]) -> (Vec<&'a str>, Vec<&'a str>) {
+    /// joints, mrad, where those stand in the end that are told by their place.
+    fn chosen<'a>(
+        tried: &[(&'a str, &[usize], f64)],
+        in_the_end: &[usize],
+    ) -> (Vec<&'a str>, Vec<&'a str>) {
         let offer = |(effect, joints, _): &(&str, &[usize], f64)| {
             let (effect, joints) = ((*effect).to_string(), joints.to_vec());
             Offer {
@@ -148,26 +190,64 @@ mod tests {
             [one.index].into_iter().chain(equals).map(|i| tried[i].0).collect()
         };
         let (best, equals) = choice.best(&none, all.iter().collect()).unwrap();
-        let rival = choice.rival(&none, &all, (best, &equals));
+        let mut last = none.clone();
+        in_the_end.iter().for_each(|i| last.add(*i, vec![]));
+        let rival = choice.rival([&none, &last], &all, (best.index, &equals));
         (names((best, equals)), rival.map(names).unwrap_or_default())
     }
 
     #[test]
     fn a_rival_is_what_would_be_taken_up_in_place_of_a_change_and_its_equals() {
-        let (best, rival) = chosen(&[
+        let tried: [(&str, &[usize], f64); 5] = [
             ("payload", &[], 3.0),
             ("link_inertia", &[5], 3.1),
             ("servo_friction", &[], 2.0),
             ("servo_gain", &[], 2.05),
             ("servo_delay", &[], 6.0),
-        ]);
+        ];
+        let (best, rival) = chosen(&tried, &[2]);
         assert_eq!(best, ["servo_friction", "servo_gain"]);
         assert_eq!(rival, ["payload", "link_inertia"]);
+        let (_, rival) = chosen(&tried, &[2, 0]);
+        assert_eq!(rival, ["link_inertia"], "what stands beside it is another cause");
+    }
+
+    /// Sets of so many changes from that index on, that leave so much.
+    fn nearer_of(both: [(std::ops::Range<usize>, f64); 2]) -> Vec<(usize, Vec<usize>)> {
+        let change = || Change {
+            effect: String::new(),
+            joints: vec![],
+            parameters: vec![],
+            replaces: false,
+        };
+        let offers: Vec<Offer> = (0..6).map(|_| Offer { change: change(), among: 1 }).collect();
+        let choice = Choice { offers: &offers, settings: &Settings::default() };
+        let sizes = |mrad: f64| about([1e-3 * mrad; 2]);
+        let set = |(indices, mrad): (std::ops::Range<usize>, f64)| {
+            let first = indices.start;
+            let stand = indices.map(|index| Stands { index, equals: vec![] }).collect();
+            let (left, before) = (sizes(mrad), sizes(8.0));
+            (Sifted { stand, mended: Twins::default(), left, before }, (first, vec![]))
+        };
+        let stands = choice.nearer(both.map(set)).stand;
+        stands.into_iter().map(|s| (s.index, s.equals)).collect()
+    }
+
+    #[test]
+    fn of_sets_that_come_as_near_that_of_fewer_changes_stands_and_the_other_is_its_equal() {
+        let alone = |i: usize| (i, vec![]);
+        assert_eq!(nearer_of([(3..4, 4.0), (0..2, 2.0)]), [alone(0), alone(1)], "the nearer one");
+        assert_eq!(nearer_of([(3..4, 2.0), (0..2, 4.0)]), [alone(3)]);
+        assert_eq!(nearer_of([(3..4, 2.0), (0..2, 2.01)]), [(3, vec![0])], "the simpler one");
+        assert_eq!(nearer_of([(3..5, 2.0), (0..2, 2.01)]), [(0, vec![3]), alone(1)], "as simple");
+        let [first, second] = [0, 1].map(alone);
+        assert_eq!(nearer_of([(1..2, 2.0), (0..2, 2.01)]), [second.clone()], "called for in both");
+        assert_eq!(nearer_of([(0..2, 2.0), (4..6, 4.0)]), [first, second]);
     }
 
     #[test]
     fn what_acts_elsewhere_is_no_rival() {
-        let (best, rival) = chosen(&[("servo_offset", &[1], 2.0), ("servo_gain", &[2], 4.0)]);
+        let (best, rival) = chosen(&[("servo_offset", &[1], 2.0), ("servo_gain", &[2], 4.0)], &[0]);
         assert_eq!((best, rival), (vec!["servo_offset"], vec![]));
     }
 }

@@ -36,12 +36,14 @@ struct Promising {
     gain: f64,
 }
 
-/// A change that would have been taken up in place of another.
-struct Rival {
-    /// What stood before, and what was open then.
+/// A round in which a change was taken up.
+struct Round {
+    /// What stood before, what was open then, and what was tried beside it.
     beside: Sifted,
     open: Vec<usize>,
-    tried: Tried,
+    tried: Vec<Tried>,
+    /// What was taken up.
+    best: usize,
     equals: Vec<usize>,
 }
 
@@ -50,7 +52,8 @@ impl Sieve<'_> {
     /// error, taken up one after the other: those that promise something are fitted, and each time that stands with which it comes
     /// nearest beside what there is already, of what takes off as much the most plausible; the others are its equals. What comes
     /// nearest alone may be in the way of several that come nearer together: so the strongest rival of each is taken up in its
-    /// place, too. In the end each has to take something off beside all others.
+    /// place, too, with all that follows, and is its equal where that comes as near. In the end each has to take something off
+    /// beside all others.
     ///
     /// # Errors
     /// If the twin cannot be fitted or simulated.
@@ -63,26 +66,29 @@ impl Sieve<'_> {
         let open = (0..offers.len()).collect();
         // What has no tangent, as it was fitted once.
         let mut fitted = BTreeMap::new();
-        let (mut sifted, rivals) = self.grown(none, open, choice, &mut fitted)?;
-        for Rival { beside, open, tried, equals } in rivals {
-            let Some(instead) = self.taken_up(&beside, (&tried, equals), choice)? else { continue };
+        let (first, rounds) = self.grown(none, open, choice, &mut fitted)?;
+        let mut sifted = first.clone();
+        for Round { beside, open, tried, best, equals } in rounds {
+            let rival = choice.rival([&beside, &first], &tried, (best, &equals));
+            let Some((rival, its_equals)) = rival else { continue };
+            let in_its_place = (rival, its_equals.clone());
+            let Some(instead) = self.taken_up(&beside, in_its_place, choice)? else { continue };
             let (instead, _) = self.grown(instead, open, choice, &mut fitted)?;
-            if choice.takes_off(&sifted, [&sifted.left, &instead.left], 1) {
-                sifted = instead;
-            }
+            let [own, others] = [(best, equals), (rival.index, its_equals)];
+            sifted = choice.nearer([(sifted, own), (instead, others)]);
         }
         self.needed(sifted, choice)
     }
 
-    /// What stands with those of the open changes that are taken up beside it, and the strongest rival of each of these.
+    /// What stands with those of the open changes that are taken up beside it, and the rounds in which they were.
     fn grown(
         &self,
         mut sifted: Sifted,
         mut open: Vec<usize>,
         choice: &Choice<'_>,
         fitted: &mut BTreeMap<usize, Twins>,
-    ) -> Result<(Sifted, Vec<Rival>), ServoError> {
-        let mut rivals = Vec::new();
+    ) -> Result<(Sifted, Vec<Round>), ServoError> {
+        let mut rounds = Vec::new();
         for round in 0.. {
             open.retain(|i| choice.is_open(*i, &sifted));
             // Every round takes one up, or puts several aside.
@@ -98,22 +104,15 @@ impl Sieve<'_> {
             let tried: Vec<Tried> = worth.par_iter().map(beside).collect::<Result<_, _>>()?;
             if let Some((best, equals)) = choice.best(&sifted, tried.iter().collect()) {
                 used = vec![best.index];
-                let rival = choice.rival(&sifted, &tried, (best, &equals));
-                if let Some(with) = self.taken_up(&sifted, (best, equals), choice)? {
+                if let Some(with) = self.taken_up(&sifted, (best, equals.clone()), choice)? {
+                    let best = best.index;
                     let beside = std::mem::replace(&mut sifted, with);
-                    let open = open.clone();
-                    let of = |(tried, equals): (&Tried, _)| Rival {
-                        beside,
-                        open,
-                        tried: tried.clone(),
-                        equals,
-                    };
-                    rivals.extend(rival.map(of));
+                    rounds.push(Round { beside, open: open.clone(), tried, best, equals });
                 }
             }
             open.retain(|i| !used.contains(i));
         }
-        Ok((sifted, rivals))
+        Ok((sifted, rounds))
     }
 
     /// What stands with one more; `None` where that comes to nothing beside the others, all values fitted.
