@@ -253,7 +253,7 @@ def late(arm):
     return '\n'.join([
         'Servos are as late along every motion. Friction, gains, a load and a delay are fitted to a motion together with '
         f'{BESIDE}, the commands of that motion moved by so much (rows are 20 ms apart); mean position error of both, mrad. '
-        f'With them moved more than {TOLD:.0%} less is left of: {", ".join(nearest) or "none"}. That is what recordings show whose '
+        f'With them moved more than {100 * TOLD:.0f} % less is left of: {", ".join(nearest) or "none"}. That is what recordings show whose '
         'commands and positions were put into rows otherwise, which no twin has; a lag that depends on the motion would look alike.',
         '', table(['motion', *(f'{ms:+} ms' for ms in MOVED)], [[motion, *map(mrad, left)] for motion, left in rows])])
 

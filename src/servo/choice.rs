@@ -240,9 +240,8 @@ mod tests {
         assert_eq!(nearer_of([(3..4, 2.0), (0..2, 4.0)]), [alone(3)]);
         assert_eq!(nearer_of([(3..4, 2.0), (0..2, 2.01)]), [(3, vec![0])], "the simpler one");
         assert_eq!(nearer_of([(3..5, 2.0), (0..2, 2.01)]), [(0, vec![3]), alone(1)], "as simple");
-        let [first, second] = [0, 1].map(alone);
-        assert_eq!(nearer_of([(1..2, 2.0), (0..2, 2.01)]), [second.clone()], "called for in both");
-        assert_eq!(nearer_of([(0..2, 2.0), (4..6, 4.0)]), [first, second]);
+        assert_eq!(nearer_of([(1..2, 2.0), (0..2, 2.01)]), [alone(1)], "called for in both");
+        assert_eq!(nearer_of([(0..2, 2.0), (4..6, 4.0)]), [alone(0), alone(1)]);
     }
 
     #[test]
