@@ -18,6 +18,13 @@ pub struct Stands {
     pub equals: Vec<usize>,
 }
 
+impl Stands {
+    /// Is it this change, or does this one do as well?
+    pub fn includes(&self, index: usize) -> bool {
+        self.index == index || self.equals.contains(&index)
+    }
+}
+
 /// Tells by other means than torque which changes, the most plausible first, stand.
 pub type Proof<'a> = dyn FnMut(&[Offer]) -> Result<Vec<Stands>, DiagnosisError> + 'a;
 

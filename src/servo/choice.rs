@@ -25,9 +25,6 @@ pub struct Tried {
     pub at_bound: bool,
 }
 
-/// A change and what is its equal.
-pub type Names = (usize, Vec<usize>);
-
 impl Sifted {
     pub fn changes(&self, offers: &[Offer]) -> Vec<Change> {
         self.stand.iter().map(|s| offers[s.index].change.clone()).collect()
@@ -35,22 +32,22 @@ impl Sifted {
 
     /// Does a change stand, or one that does as well?
     pub fn holds(&self, index: usize) -> bool {
-        self.stand.iter().any(|s| s.index == index || s.equals.contains(&index))
+        self.stand.iter().any(|s| s.includes(index))
     }
 
-    /// What stands there has others for its equals.
-    fn also(&mut self, index: usize, (other, equals): Names) {
-        let mut others: Vec<usize> = [other].into_iter().chain(equals).collect();
+    /// With one more.
+    pub fn add(&mut self, one: Stands) {
+        // What looked the same as an earlier one and is there beside it is another.
+        self.stand.iter_mut().for_each(|s| s.equals.retain(|i| *i != one.index));
+        self.stand.push(one);
+    }
+
+    /// What stands there, and others that do as well in its place.
+    fn also(&mut self, index: usize, others: Stands) {
+        let mut others: Vec<usize> = [others.index].into_iter().chain(others.equals).collect();
         others.retain(|i| !self.holds(*i));
         let own = self.stand.iter_mut().find(|s| s.index == index);
         own.into_iter().for_each(|s| s.equals.extend(&others));
-    }
-
-    /// With one more, and others that do as well in its place.
-    pub fn add(&mut self, index: usize, equals: Vec<usize>) {
-        // What looked the same as an earlier one and is there beside it is another.
-        self.stand.iter_mut().for_each(|s| s.equals.retain(|i| *i != index));
-        self.stand.push(Stands { index, equals });
     }
 }
 
@@ -75,14 +72,14 @@ impl Choice<'_> {
         &self,
         sifted: &Sifted,
         mut tried: Vec<&'a Tried>,
-    ) -> Option<(&'a Tried, Vec<usize>)> {
+    ) -> Option<(&'a Tried, Stands)> {
         tried.retain(|t| self.stands(sifted, t));
         let mut nearest = self.nearest(&sifted.left, tried);
         nearest.sort_by_key(|t| t.index);
         let (best, others) = nearest.split_first()?;
         let own = &self.offers[best.index].change;
         let others = others.iter().map(|t| t.index).filter(|i| self.offers[*i].change.meets(own));
-        Some((best, others.collect()))
+        Some((best, Stands { index: best.index, equals: others.collect() }))
     }
 
     /// What would have been taken up beside the first, where a change acts, if neither that nor its equals were there, and its
@@ -91,34 +88,33 @@ impl Choice<'_> {
         &self,
         [beside, in_the_end]: [&Sifted; 2],
         tried: &'a [Tried],
-        (best, equals): (usize, &[usize]),
-    ) -> Option<(&'a Tried, Vec<usize>)> {
-        let own = &self.offers[best].change;
-        let is_other = |t: &&Tried| t.index != best && !equals.contains(&t.index);
+        taken: &Stands,
+    ) -> Option<(&'a Tried, Stands)> {
+        let own = &self.offers[taken.index].change;
         let meets = |t: &&Tried| self.offers[t.index].change.meets(own);
-        let others = tried.iter().filter(is_other).filter(meets);
-        self.best(beside, others.filter(|t| !in_the_end.holds(t.index)).collect())
+        let is_rival = |t: &&Tried| !taken.includes(t.index) && !in_the_end.holds(t.index);
+        self.best(beside, tried.iter().filter(meets).filter(is_rival).collect())
     }
 
-    /// Which of two sets of changes stands, each with a change and its equals, of which those of the second were taken up in place
-    /// of the first's: the set that comes nearer. Where they come as near, and the first change is called for in the first alone,
-    /// that of fewer changes, or else of the more plausible one, whose equals the other's are.
-    pub fn nearer(&self, [own, rival]: [(Sifted, Names); 2]) -> Sifted {
+    /// Which of two sets of changes stands, in the second of which one change was taken up in place of one of the first: the set
+    /// that comes nearer. Where they come as near, and what is replaced is called for in the first alone, that of fewer changes,
+    /// or else of the more plausible of the two, and the other is an equal of this one.
+    pub fn nearer(&self, [own, rival]: [(Sifted, Stands); 2]) -> Sifted {
         let is_nearer = |without: &Sifted, with: &Sifted| {
             self.takes_off(&own.0, [&without.left, &with.left], 1)
         };
         if is_nearer(&own.0, &rival.0) {
             return rival.0;
         }
-        let is_in_its_place = own.0.holds(own.1.0) && !rival.0.holds(own.1.0);
-        if is_nearer(&rival.0, &own.0) || !is_in_its_place {
+        let [is_in_own, is_in_rival] = [&own.0, &rival.0].map(|sifted| sifted.holds(own.1.index));
+        if is_nearer(&rival.0, &own.0) || !is_in_own || is_in_rival {
             return own.0;
         }
-        let costs = |(sifted, names): &(Sifted, Names)| (sifted.stand.len(), names.0);
+        let costs = |(sifted, one): &(Sifted, Stands)| (sifted.stand.len(), one.index);
         let [simple, other] = if costs(&rival) < costs(&own) { [rival, own] } else { [own, rival] };
-        let (mut stands, (index, _)) = simple;
-        stands.also(index, other.1);
-        stands
+        let (mut sifted, Stands { index, .. }) = simple;
+        sifted.also(index, other.1);
+        sifted
     }
 
     /// Those that take off as much as any of them, or surely no less: a twin that is wrong otherwise tells no more.
@@ -157,6 +153,10 @@ mod tests {
     use super::super::sizes::tests::about;
     use super::*;
 
+    fn alone(index: usize) -> Stands {
+        Stands { index, equals: vec![] }
+    }
+
     /// Names of what is best with its equals, and of its rival with that one's, among changes that leave so much of two
     /// joints, mrad, where those stand in the end that are told by their place.
     fn chosen<'a>(
@@ -186,14 +186,14 @@ mod tests {
             at_bound: false,
         };
         let all: Vec<Tried> = tried.iter().enumerate().map(fitted).collect();
-        let names = |(one, equals): (&Tried, Vec<usize>)| -> Vec<&'a str> {
-            [one.index].into_iter().chain(equals).map(|i| tried[i].0).collect()
+        let names = |one: Stands| -> Vec<&'a str> {
+            [one.index].into_iter().chain(one.equals).map(|i| tried[i].0).collect()
         };
-        let (best, equals) = choice.best(&none, all.iter().collect()).unwrap();
+        let (_, best) = choice.best(&none, all.iter().collect()).unwrap();
         let mut last = none.clone();
-        in_the_end.iter().for_each(|i| last.add(*i, vec![]));
-        let rival = choice.rival([&none, &last], &all, (best.index, &equals));
-        (names((best, equals)), rival.map(names).unwrap_or_default())
+        in_the_end.iter().for_each(|i| last.add(alone(*i)));
+        let rival = choice.rival([&none, &last], &all, &best);
+        (names(best), rival.map(|(_, rival)| names(rival)).unwrap_or_default())
     }
 
     #[test]
@@ -213,7 +213,7 @@ mod tests {
     }
 
     /// Sets of so many changes from that index on, that leave so much.
-    fn nearer_of(both: [(std::ops::Range<usize>, f64); 2]) -> Vec<(usize, Vec<usize>)> {
+    fn nearer_of(both: [(std::ops::Range<usize>, f64); 2]) -> Vec<Stands> {
         let change = || Change {
             effect: String::new(),
             joints: vec![],
@@ -224,22 +224,21 @@ mod tests {
         let choice = Choice { offers: &offers, settings: &Settings::default() };
         let sizes = |mrad: f64| about([1e-3 * mrad; 2]);
         let set = |(indices, mrad): (std::ops::Range<usize>, f64)| {
-            let first = indices.start;
-            let stand = indices.map(|index| Stands { index, equals: vec![] }).collect();
+            let first = alone(indices.start);
+            let stand = indices.map(alone).collect();
             let (left, before) = (sizes(mrad), sizes(8.0));
-            (Sifted { stand, mended: Twins::default(), left, before }, (first, vec![]))
+            (Sifted { stand, mended: Twins::default(), left, before }, first)
         };
-        let stands = choice.nearer(both.map(set)).stand;
-        stands.into_iter().map(|s| (s.index, s.equals)).collect()
+        choice.nearer(both.map(set)).stand
     }
 
     #[test]
     fn of_sets_that_come_as_near_that_of_fewer_changes_stands_and_the_other_is_its_equal() {
-        let alone = |i: usize| (i, vec![]);
+        let named = |index: usize, other: usize| Stands { index, equals: vec![other] };
         assert_eq!(nearer_of([(3..4, 4.0), (0..2, 2.0)]), [alone(0), alone(1)], "the nearer one");
         assert_eq!(nearer_of([(3..4, 2.0), (0..2, 4.0)]), [alone(3)]);
-        assert_eq!(nearer_of([(3..4, 2.0), (0..2, 2.01)]), [(3, vec![0])], "the simpler one");
-        assert_eq!(nearer_of([(3..5, 2.0), (0..2, 2.01)]), [(0, vec![3]), alone(1)], "as simple");
+        assert_eq!(nearer_of([(3..4, 2.0), (0..2, 2.01)]), [named(3, 0)], "the simpler one");
+        assert_eq!(nearer_of([(3..5, 2.0), (0..2, 2.01)]), [named(0, 3), alone(1)], "as simple");
         assert_eq!(nearer_of([(1..2, 2.0), (0..2, 2.01)]), [alone(1)], "called for in both");
         assert_eq!(nearer_of([(0..2, 2.0), (4..6, 4.0)]), [alone(0), alone(1)]);
     }

@@ -14,7 +14,7 @@ use super::folds::{Folds, Twins};
 use super::refit::is_at_bound;
 use super::screen::{Other, starts};
 use super::sizes::Sizes;
-use crate::diagnosis::{Change, Offer, Settings};
+use crate::diagnosis::{Change, Offer, Settings, Stands};
 
 /// Fits of changes to halves of two recordings, and the other halves, which a change has to hold against.
 pub struct Sieve<'a> {
@@ -38,13 +38,11 @@ struct Promising {
 
 /// A round in which a change was taken up.
 struct Round {
-    /// What stood before, what was open then, and what was tried beside it.
+    /// What stood before, what was open then, what was tried beside it, and what was taken up.
     beside: Sifted,
     open: Vec<usize>,
     tried: Vec<Tried>,
-    /// What was taken up.
-    best: usize,
-    equals: Vec<usize>,
+    taken: Stands,
 }
 
 impl Sieve<'_> {
@@ -68,14 +66,13 @@ impl Sieve<'_> {
         let mut fitted = BTreeMap::new();
         let (first, rounds) = self.grown(none, open, choice, &mut fitted)?;
         let mut sifted = first.clone();
-        for Round { beside, open, tried, best, equals } in rounds {
-            let rival = choice.rival([&beside, &first], &tried, (best, &equals));
-            let Some((rival, its_equals)) = rival else { continue };
-            let in_its_place = (rival, its_equals.clone());
-            let Some(instead) = self.taken_up(&beside, in_its_place, choice)? else { continue };
+        for Round { beside, open, tried, taken } in rounds {
+            let rival = choice.rival([&beside, &first], &tried, &taken);
+            let Some((tried, rival)) = rival else { continue };
+            let with = self.taken_up(&beside, (tried, rival.clone()), choice)?;
+            let Some(instead) = with else { continue };
             let (instead, _) = self.grown(instead, open, choice, &mut fitted)?;
-            let [own, others] = [(best, equals), (rival.index, its_equals)];
-            sifted = choice.nearer([(sifted, own), (instead, others)]);
+            sifted = choice.nearer([(sifted, taken), (instead, rival)]);
         }
         self.needed(sifted, choice)
     }
@@ -102,12 +99,11 @@ impl Sieve<'_> {
             let mut used: Vec<usize> = worth.iter().map(|p| p.index).collect();
             let beside = |one: &Promising| self.beside(&sifted, choice, one);
             let tried: Vec<Tried> = worth.par_iter().map(beside).collect::<Result<_, _>>()?;
-            if let Some((best, equals)) = choice.best(&sifted, tried.iter().collect()) {
-                used = vec![best.index];
-                if let Some(with) = self.taken_up(&sifted, (best, equals.clone()), choice)? {
-                    let best = best.index;
+            if let Some((best, taken)) = choice.best(&sifted, tried.iter().collect()) {
+                used = vec![taken.index];
+                if let Some(with) = self.taken_up(&sifted, (best, taken.clone()), choice)? {
                     let beside = std::mem::replace(&mut sifted, with);
-                    rounds.push(Round { beside, open: open.clone(), tried, best, equals });
+                    rounds.push(Round { beside, open: open.clone(), tried, taken });
                 }
             }
             open.retain(|i| !used.contains(i));
@@ -119,13 +115,13 @@ impl Sieve<'_> {
     fn taken_up(
         &self,
         sifted: &Sifted,
-        (one, equals): (&Tried, Vec<usize>),
+        (tried, one): (&Tried, Stands),
         choice: &Choice<'_>,
     ) -> Result<Option<Sifted>, ServoError> {
         let mut with = sifted.clone();
-        with.add(one.index, equals);
-        self.fit_all(&mut with, &one.twins, choice)?;
-        let in_full = self.tried(one.index, choice, with.mended.clone())?;
+        with.add(one);
+        self.fit_all(&mut with, &tried.twins, choice)?;
+        let in_full = self.tried(tried.index, choice, with.mended.clone())?;
         Ok(choice.stands(sifted, &in_full).then_some(with))
     }
 
