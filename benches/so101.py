@@ -1,19 +1,18 @@
 """A real SO-101, six position servos: what diagnose finds from pairs of its motions, and whether it has play.
 
     python3 benches/so101.py RECORDINGS --work WORK -o docs/so101.md
-    (with --kept it takes the answers that WORK holds; with --only pairs, play, clock or late it makes that section anew and
+    (with --kept it takes the answers that WORK holds; with --only pairs, play, clock or commands it makes that section anew and
     leaves the others of the page as they are)
 
 RECORDINGS is sage-so101. ARMTWIN is the program (target/release/armtwin).
 """
 import argparse
-import bisect
 import csv
 import gzip
 import json
+import math
 import os
 import random
-import shutil
 import statistics
 import subprocess
 import sys
@@ -76,10 +75,8 @@ PLAY, JUDGE = ['backlash_detection', 'chirp_sweep', 'multisine'], 'inertia_coupl
 WITHOUT = 'coulomb,viscous,servo_gain,payload'
 # Copies of a recording with other times, of which the mean counts.
 COPIES = 5
-# Commands of a motion are moved by so much, ms, and fitted together with this motion, whose are where they are.
-MOVED, BESIDE = [-20, -10, 0, 10, 20], 'inertia_coupling'
-# Share of the error that has to go for a motion to be named.
-TOLD = 0.1
+# Commands of all motions are held against those of this one.
+BESIDE = 'inertia_coupling'
 TEETH = {'backlash_gap': 2 * MAKERS_PLAY, 'backlash_stiffness': 500, 'backlash_damping': 0.5}
 
 
@@ -211,51 +208,36 @@ def clock(arm):
         'Of the error after, how much is rounding: what would be less if the encoder had no steps. And how much the clock: '
         'the error of the same twin along the recording with every time moved at random (mean of '
         f'{COPIES} copies), by as much as its steps scatter, and by as much as its rows are at most from an even clock. '
-        'What is no scatter, positions read a little before or after the command was sent, is a delay of the servo.', '',
+        'What is no scatter, positions read a little before or after the command was sent, comes below.', '',
         table(['pair', 'after, mrad', 'of it rounding', 'steps scatter by, us', 'error changes by, urad',
                'from an even clock, us', 'error changes by, urad'], rows)])
 
 
-def moved(folder, to, ms):
-    """A copy of a recording whose commands come so much later, between rows on a straight line."""
-    if to.exists():
-        return to
-    shutil.copytree(folder, to)
-    head, rows, t = times(folder, 'control.csv.gz')
-    place = head.index('positions')
-    told = [json.loads(row[place]) for row in rows]
-
-    def at(k):
-        when = min(max(t[k] - 1e3 * ms, t[0]), t[-1])
-        later = min(max(bisect.bisect_right(t, when), 1), len(t) - 1)
-        share = (when - t[later - 1]) / (t[later] - t[later - 1])
-        return [a + share * (b - a) for a, b in zip(told[later - 1], told[later])]
-
-    with gzip.open(to / 'control.csv.gz', 'wt', newline='') as out:
-        csv.writer(out).writerows([head] + [[*row[:place], json.dumps(at(k)), *row[place + 1:]]
-                                            for k, row in enumerate(rows)])
-    return to
-
-
-def late(arm):
-    """Are commands of all motions as far from positions?"""
-    rows = []
-    for motion in sorted(f.name for f in arm.folder.iterdir() if f.is_dir() and f.name != BESIDE):
-        left = []
-        for ms in MOVED:
-            folder = moved(arm.folder / motion, arm.work / 'moved' / f'{motion}_{ms}', ms)
-            method = arm.answer(f'{motion}_late_{ms}', 'identify', arm.folder / BESIDE, folder, '--terms',
-                                f'{WITHOUT},servo_delay')['methods'][0]
-            left.append(statistics.mean(size([gaps]) for gaps in method['fit']['after']))
-        rows.append((motion, left))
-    nearest = [f'{motion} ({MOVED[left.index(min(left))]:+} ms)' for motion, left in rows
-               if min(left) < (1 - TOLD) * left[MOVED.index(0)]]
+def commands(arm):
+    """Do loggers note commands of all motions alike?"""
+    motions = sorted(f.name for f in arm.folder.iterdir() if f.is_dir() and f.name != BESIDE)
+    checks = [x for motion in motions for x in ('--check', arm.folder / motion)]
+    method = arm.answer('commands', 'identify', arm.folder / BESIDE, *checks, '--terms', 'coulomb,viscous')['methods'][0]
+    nothing = {'late_s': 0, 'standard_error_s': 0}
+    told = {BESIDE: nothing, **{m: o or nothing for m, o in zip(motions, method['check']['time_offset'])}}
+    closed = []
+    for pair in LOOKED_AT + FRESH:
+        known = arm.work / f'{"_".join(pair)}.json'
+        own = known.exists() and json.loads(known.read_text())['position']['time_offset']
+        if own:
+            fit, check = (told[motion] for motion in pair)
+            off = own['late_s'] - (check['late_s'] - fit['late_s'])
+            closed.append((off, math.hypot(*(o['standard_error_s'] for o in (own, fit, check)))))
+    rms = lambda values: 1e3 * math.sqrt(statistics.mean(x * x for x in values)) if values else math.nan
+    off, expected = [rms([x[k] for x in closed]) for k in (0, 1)]
+    rows = [[motion, f'{1e3 * o["late_s"]:+.1f}', f'{1e3 * o["standard_error_s"]:.1f}']
+            for motion, o in sorted(told.items(), key=lambda item: item[1]['late_s']) if motion != BESIDE]
     return '\n'.join([
-        'Servos are as late along every motion. Friction, gains, a load and a delay are fitted to a motion together with '
-        f'{BESIDE}, the commands of that motion moved by so much (rows are 20 ms apart); mean position error of both, mrad. '
-        f'With them moved more than {100 * TOLD:.0f} % less is left of: {", ".join(nearest) or "none"}. That is what recordings show whose '
-        'commands and positions were put into rows otherwise, which no twin has; a lag that depends on the motion would look alike.',
-        '', table(['motion', *(f'{ms:+} ms' for ms in MOVED)], [[motion, *map(mrad, left)] for motion, left in rows])])
+        f'How much later than in {BESIDE} commands are sent beside positions, with its standard error, ms (rows are 20 ms apart). '
+        'It is told by all joints together, and is no delay of the servos, which is the same along every motion. '
+        f'{len(closed)} of the pairs above tell the difference of their two motions by themselves: it is off by '
+        f'{off:.1f} ms (rms), where {expected:.1f} ms are expected of the errors of all three.', '',
+        table(['motion', 'later, ms', 'standard error, ms'], rows)])
 
 
 def size(gaps):
@@ -285,7 +267,7 @@ def play(arm):
 
 SECTIONS = {'pairs': ('## Causes in pairs of motions', pairs), 'play': ('## Is there play?', play),
             'clock': ('## Rounding and clock', clock),
-            'late': ('## Are commands a row late?', late)}
+            'commands': ('## Are commands noted alike?', commands)}
 
 
 def section(page, head):

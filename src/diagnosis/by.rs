@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::statistics::normal_quantile;
+
 /// What the answer rests on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -38,6 +40,9 @@ pub struct Position {
     /// from the other more than those do (Birge, Phys. Rev. 40, 1932); 1 where it does not.
     #[serde(default = "as_they_are")]
     pub birge_ratio: f64,
+    /// Nothing where one joint alone would tell it.
+    #[serde(default)]
+    pub time_offset: Option<TimeOffset>,
     pub joints: Vec<JointPositionShrink>,
     /// What each cause takes off when it is added to all the others.
     pub causes: Vec<PositionShrink>,
@@ -45,6 +50,32 @@ pub struct Position {
 
 fn as_they_are() -> f64 {
     1.0
+}
+
+/// How much later commands of the check recording were sent beside positions than those of the fit recording, s: what loggers note in
+/// one row is not of one instant. The twin is led along the check recording with its commands so much later.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TimeOffset {
+    pub late_s: f64,
+    pub standard_error_s: f64,
+}
+
+/// Of the interval outside which two recordings surely differ.
+const LEVEL: f64 = 0.9;
+
+impl TimeOffset {
+    /// What it says to people of a recording beside another, where both surely differ.
+    pub fn line(&self, recording: &str, other: &str) -> Option<String> {
+        if self.late_s.abs() <= normal_quantile(1.0 - LEVEL) * self.standard_error_s {
+            return None;
+        }
+        let [late, error] = [self.late_s.abs(), self.standard_error_s].map(|s| 1e3 * s);
+        let way = if self.late_s > 0.0 { "later" } else { "earlier" };
+        Some(format!(
+            "Commands of {recording} were sent {late:.1} +- {error:.1} ms {way} beside positions than those of {other}, at \
+             all joints: what a logger notes in one row is not of one instant. The twin is led along them as they were sent."
+        ))
+    }
 }
 
 /// Mean size of the position error over all joints of both recordings (cross-validation in two folds): each twin was fitted to every

@@ -70,7 +70,7 @@ pub use answer::{
     UnexplainedJoint, Untestable, Value, Verdict,
 };
 pub use bootstrap::interval;
-pub use by::{By, CrossValidated, JointPositionShrink, Position, PositionShrink};
+pub use by::{By, CrossValidated, JointPositionShrink, Position, PositionShrink, TimeOffset};
 pub use change::Change;
 pub use conditioning::conditioning;
 pub use criteria::Criteria;

@@ -5,7 +5,6 @@
 use super::{
     About, DriveKind, Effect, Mechanism, Motion, Parameter, Role, RoundTrip, Scope, Worked, starts,
 };
-use crate::robot::servo::arrived;
 
 pub struct ServoDelay;
 
@@ -53,9 +52,9 @@ impl Effect for ServoDelay {
 
     fn columns(&self, motion: &Motion<'_>, joint: usize, nonlinear: &[f64]) -> Vec<Vec<f64>> {
         let Some(told) = motion.told else { return vec![vec![0.0; motion.samples()]] };
-        let (d, command) = (nonlinear[0], told.command.joint(joint));
-        let late = arrived(command, d, told.dt);
-        let moved = command.iter().zip(&late).map(|(c, late)| (c - late) / d);
+        let d = nonlinear[0];
+        let [sent, late] = [0.0, d].map(|delay| told.arrived(joint, delay));
+        let moved = sent.iter().zip(&late).map(|(c, late)| (c - late) / d);
         vec![told.slope.joint(joint).iter().zip(moved).map(|(slope, c)| slope * c).collect()]
     }
 

@@ -64,6 +64,8 @@ pub struct Told {
     pub dt: f64,
     /// Command as it was sent, rad.
     pub command: JointSeries,
+    /// How much later than noted it was sent, beside the position, s.
+    pub late: f64,
     /// Command as it arrived, with offset, less position, rad.
     pub error: JointSeries,
     /// Torque of the position loop were there no limit, N.m.
@@ -84,6 +86,13 @@ pub struct Told {
     pub recorded: Vec<bool>,
     /// Smallest step between recorded positions, rad per joint: what the encoder resolves.
     pub resolution: Vec<f64>,
+}
+
+impl Told {
+    /// The command at joint `j` as it arrives, `delay` seconds after it was sent, rad.
+    pub fn arrived(&self, j: usize, delay: f64) -> Vec<f64> {
+        arrived(self.command.joint(j), self.late + delay, self.dt)
+    }
 }
 
 /// What recordings say of servos from sample to sample, beside command and position.
@@ -111,7 +120,7 @@ impl Settings {
 
 /// A command as it arrives, `delay` seconds late: linear between its samples, `dt` apart, and the first one
 /// before it.
-pub fn arrived(command: &[f64], delay: f64, dt: f64) -> Vec<f64> {
+fn arrived(command: &[f64], delay: f64, dt: f64) -> Vec<f64> {
     let late = delay / dt;
     (0..command.len()).map(|k| at_place(command, k as f64 - late)).collect()
 }
@@ -249,6 +258,7 @@ impl Servo {
         let unseen = Told {
             dt,
             command,
+            late: 0.0,
             error: zeros(),
             asked: zeros(),
             pull: zeros(),
@@ -271,7 +281,7 @@ impl Servo {
     pub fn at(&self, told: &Told, q: &JointSeries) -> Told {
         let mut now = told.clone();
         for j in 0..q.joints() {
-            let late = arrived(told.command.joint(j), self.delay[j], told.dt);
+            let late = told.arrived(j, self.delay[j]);
             for (k, c) in late.into_iter().enumerate() {
                 let error = c - q.joint(j)[k];
                 let gain = told.gain.joint(j)[k];

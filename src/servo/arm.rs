@@ -132,7 +132,7 @@ impl Arm {
     /// What the servos were told at sample `k`, and between it and the next at `place`, arrives.
     pub fn hear(&mut self, track: &Track, k: usize, place: f64) {
         for (j, heard) in self.heard.iter_mut().enumerate() {
-            let late = self.servo.delay[j] / track.dt;
+            let late = (track.told.late + self.servo.delay[j]) / track.dt;
             heard.command = at_place(track.command.joint(j), place - late);
             heard.gain = track.factor.joint(j)[k] * self.servo.gain[j];
         }

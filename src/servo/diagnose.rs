@@ -7,30 +7,19 @@
 //! fitted by simulation, too.
 
 use super::choice::Sifted;
-use super::fit::Fit;
 use super::folds::{Folds, Halved};
+use super::following::Following;
 use super::judge::{Mended, prove};
 use super::refit::{Refits, Refitted};
 use super::scatter::{birge_ratio, widen};
 use super::sift::Sieve;
 use super::sizes::Sizes;
-use super::{Free, ServoError, Settings, Track, free_parameters, linearised};
+use super::{ServoError, Settings, Track, linearised};
 use crate::diagnosis::{self, Change, CrossValidated, Diagnosis, Offer, Traces, diagnose_proved};
 use crate::follow::Watch;
 use crate::series::JointSeries;
 use crate::signals::Samples;
 use crate::twin::Twin;
-
-/// What lets a simulated servo follow a recorded one, whatever the cause.
-const FOLLOWING: [&str; 7] = [
-    "servo_gain",
-    "servo_offset",
-    "servo_delay",
-    "servo_damping",
-    "coulomb",
-    "viscous",
-    "rotor_inertia",
-];
 
 /// What was found of an arm of position servos.
 pub struct Found {
@@ -51,23 +40,29 @@ pub fn diagnose(
     watch: &dyn Watch,
 ) -> Result<Found, ServoError> {
     let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
-    let both = Track::of_one_arm([Track::new(fit, servo)?, Track::new(check, servo)?]);
-    let [fit_track, check_track] = &both;
+    let [fit_track, check_track] =
+        Track::of_one_arm([Track::new(fit, servo)?, Track::new(check, servo)?]);
     watch.tell("fitting what the twin leaves open", 0, 0);
-    let refits = Refits::new(twin, vec![fit_track], watch)?;
-    let near = following(&refits.before, fit_track, watch)?;
+    let by_fit = Refits::new(twin, vec![&fit_track], watch)?.before;
+    let following = Following::new(&by_fit, &fit_track, watch)?;
+    let offset = following.time_offset([&fit_track, &check_track], watch)?;
+    let both = [fit_track, check_track.later(offset.map_or(0.0, |o| o.late_s))];
+    let [fit_track, check_track] = &both;
+    let refits = Refits { twin, tracks: vec![fit_track], watch, before: by_fit };
     let horizon_s = Settings::default().horizon_s;
-    let [seen_fit, seen_check] = [fit, check].map(|s| linearised(&near, s, horizon_s));
+    let [seen_fit, seen_check] = [(fit, fit_track), (check, check_track)]
+        .map(|(recorded, track)| linearised(&following.twin, recorded, track, horizon_s));
     let halved = Halved::new(both.clone());
     let folds = Folds::new(twin, &halved, watch)?;
-    let mut mended = unchanged(&refits.before);
+    let mut mended = Mended { time_offset: offset, ..unchanged(&refits.before) };
     let mut proof = |offers: &[Offer]| {
         let sieve = Sieve { folds: &folds, settings };
         let Sifted { stand, mended: near, left, before } = sieve.sift(offers)?;
         let changes: Vec<Change> = stand.iter().map(|s| offers[s.index].change.clone()).collect();
         if !changes.is_empty() {
             let of_both = Refits::new(twin, both.iter().collect(), watch)?;
-            mended = mend(&of_both, &refits, folds.nearer(&near)?, changes)?;
+            let now = mend(&of_both, &refits, folds.nearer(&near)?, changes)?;
+            mended = Mended { time_offset: offset, ..now };
         }
         let [before_rad, after_rad] = [&before, &left].map(Sizes::mean_rad);
         mended.decided = CrossValidated { before_rad, after_rad };
@@ -87,6 +82,7 @@ fn unchanged(before: &Twin) -> Mended {
         told: Refitted { twin: before.clone(), estimates: Vec::new() },
         alone: before.clone(),
         decided: CrossValidated::default(),
+        time_offset: None,
         birge_ratio: 1.0,
     }
 }
@@ -103,13 +99,5 @@ fn mend(
     let by_check = of_both.by(of_both.tracks[1]).all(&told.twin, &changes)?;
     let birge_ratio = birge_ratio([&by_fit.estimates, &by_check.estimates]);
     widen(&mut told.estimates, birge_ratio);
-    let decided = CrossValidated::default();
-    Ok(Mended { changes, told, alone: by_fit.twin, decided, birge_ratio })
-}
-
-/// The twin with values by which it follows the recording, whatever they stand for.
-fn following(twin: &Twin, fit: &Track, watch: &dyn Watch) -> Result<Twin, ServoError> {
-    let free = free_parameters(twin, &FOLLOWING.map(String::from))?;
-    let free: Vec<Free> = free.into_iter().map(|f| f.near_start(twin)).collect();
-    Fit::FromFar.of(twin, &[fit], &free, watch)
+    Ok(Mended { changes, told, alone: by_fit.twin, birge_ratio, ..unchanged(near) })
 }

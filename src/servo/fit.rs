@@ -78,7 +78,7 @@ const STRETCHES: [f64; 3] = [0.1, 1.0, 1.0];
 const CLOSE: f64 = 1e-4;
 pub(super) const ABOUT: f64 = 1e-3;
 /// Evaluations of a search for values that are compared: with exact columns what fits is found in half of them.
-const FEW: usize = 40;
+pub(super) const FEW: usize = 40;
 /// Sums of neighbouring rows whose correlation is looked at: every pair of them is.
 const MOST_BINS: usize = 2000;
 /// Shortest recording, s.

@@ -10,7 +10,7 @@ use super::refit::{Refitted, taken_out};
 use super::{Estimate, PositionGap, ServoError, Track, replay};
 use crate::diagnosis::{
     By, Cause, Change, CrossValidated, Diagnosis, JointPositionShrink, Position, PositionShrink,
-    SimulationShrink, Value, Verdict,
+    SimulationShrink, TimeOffset, Value, Verdict,
 };
 use crate::effects::find;
 use crate::series::JointSeries;
@@ -24,6 +24,8 @@ pub struct Mended {
     /// As the fit recording alone has them.
     pub alone: Twin,
     pub decided: CrossValidated,
+    /// How much later commands of the check recording are sent; its track has them so.
+    pub time_offset: Option<TimeOffset>,
     /// How many times wider intervals are than errors of the fits say ([`super::scatter::birge_ratio`]).
     pub birge_ratio: f64,
 }
@@ -140,13 +142,14 @@ fn put(
     diagnosis.by = By::Simulation;
     diagnosis.shrink.simulation =
         Some(SimulationShrink { before_rad, after_rad, fraction, ..SimulationShrink::default() });
-    let Mended { decided: cross_validated, birge_ratio, .. } = *mended;
+    let Mended { decided: cross_validated, time_offset, birge_ratio, .. } = *mended;
     diagnosis.position = Some(Position {
         before_rad,
         after_rad,
         fraction,
         cross_validated,
         birge_ratio,
+        time_offset,
         joints,
         causes,
     });

@@ -75,19 +75,22 @@ impl Along {
     }
 }
 
-/// `recorded` as seen from the motion of `twin`, led along its command over stretches of `horizon_s` that
+/// `recorded`, whose track is given, as seen from the motion of `twin`, led along its command over stretches of `horizon_s` that
 /// begin in measured states: `torque` is the twin's along that motion (with all values it has), and
 /// `response` holds what the recorded position shows beyond it.
 ///
 /// # Errors
 /// If the twin has no servos, an effect this simulation does not have, or runs away.
-pub fn linearised(twin: &Twin, recorded: &Samples, horizon_s: f64) -> Result<Samples, ServoError> {
-    let assumed = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
-    let track = Track::new(recorded, assumed)?;
-    let along = Along::new(twin, &track, track.stretches(horizon_s))?;
+pub fn linearised(
+    twin: &Twin,
+    recorded: &Samples,
+    track: &Track,
+    horizon_s: f64,
+) -> Result<Samples, ServoError> {
+    let along = Along::new(twin, track, track.stretches(horizon_s))?;
     let mut usable = vec![false; track.len()];
     along.response.stretches.iter().for_each(|s| usable[s.clone()].fill(true));
-    let torque = twin.torque(&along.motion(&twin.robot, &track));
+    let torque = twin.torque(&along.motion(&twin.robot, track));
     let Along { q, qd, qdd, told, response } = along;
     Ok(Samples {
         q,

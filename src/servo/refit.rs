@@ -19,7 +19,7 @@ pub struct Refitted {
 
 /// Fits to recordings together, beginning with the twin as given, its open values fitted.
 pub struct Refits<'a> {
-    twin: &'a Twin,
+    pub twin: &'a Twin,
     pub tracks: Vec<&'a Track>,
     /// Who follows the fits.
     pub watch: &'a dyn Watch,

@@ -2,6 +2,8 @@
 
 mod columns;
 mod limits;
+mod time_offset;
+mod tracks;
 
 use super::choice::Sifted;
 use super::fit::weigh;
@@ -382,17 +384,6 @@ fn names_are_equal_that_two_recordings_do_not_tell_apart() {
 }
 
 /// A recording in halves: each sample in one of them, in stretches, however short it is.
-#[test]
-fn every_other_stretch_is_a_half() {
-    let (_, track) = by_rapier(SERVOS);
-    let halves = track.halves(5.0);
-    let usable = |k: usize| halves.each_ref().map(|half| half.usable[k]);
-    assert!((0..track.len()).all(|k| usable(k)[0] != usable(k)[1]));
-    for half in &halves {
-        assert!(half.stretches(f64::INFINITY).len() >= 2, "{:?}", half.stretches(f64::INFINITY));
-    }
-}
-
 /// What a twin leaves open is what a recording says of it, whatever another said; what it lacks stays.
 #[test]
 fn open_values_are_those_of_the_recording_it_is_held_against() {
@@ -410,16 +401,6 @@ fn open_values_are_those_of_the_recording_it_is_held_against() {
         [left(&elsewhere, &["viscous"]), left(&elsewhere, &[]), left(&soft, &["viscous"])];
     assert!(own < 0.2 * kept, "{own} {kept}");
     assert!(lacks > 0.5 * left(&soft, &[]), "{lacks}");
-}
-
-#[test]
-fn a_joint_that_stands_has_the_encoder_of_the_other_recording() {
-    let (_, mut moves) = by_rapier(SERVOS);
-    let mut stands = moves.clone();
-    (moves.resolution, stands.resolution) = (vec![1e-3; 6], vec![1e-3; 6]);
-    (moves.resolution[4], stands.resolution[1]) = (0.0, 0.0);
-    let both = Track::of_one_arm([stands, moves]).map(|track| track.resolution);
-    assert_eq!(both, [vec![1e-3; 6], vec![1e-3; 6]]);
 }
 
 /// What stops an arm for a moment is not simulated: the value that meets the rest of the recording best counts least.

@@ -63,6 +63,13 @@ impl Track {
         [a, b]
     }
 
+    /// The same, its commands sent so much later beside positions, s.
+    pub fn later(&self, by: f64) -> Self {
+        let mut later = self.clone();
+        later.told.late += by;
+        later
+    }
+
     /// Every other stretch of `seconds`, and those between; shorter ones where there would not be two of each.
     pub fn halves(&self, seconds: f64) -> [Self; 2] {
         let recorded_s = self.usable.iter().filter(|usable| **usable).count() as f64 * self.dt;

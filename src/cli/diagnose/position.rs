@@ -36,6 +36,10 @@ pub fn page(d: &Diagnosis) -> String {
         );
         text += &(paragraph("", &wider) + "\n");
     }
+    let offset = position.time_offset.as_ref();
+    if let Some(line) = offset.and_then(|o| o.line("the check recording", "the fit recording")) {
+        text += &(paragraph("", &line) + "\n");
+    }
     let torque = "Values are those by which the simulated position follows both recordings best; of the \
                   positions above, those that follow the fit recording alone. Torque below is position times \
                   the servo's gain: what the recorded position shows that the twin does not give.";

@@ -244,6 +244,7 @@ fn of_position_servos_a_cause_takes_position_off() {
         fraction,
         cross_validated,
         birge_ratio: 1.0,
+        time_offset: None,
         joints: vec![],
         causes: vec![own],
     });

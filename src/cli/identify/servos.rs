@@ -8,7 +8,7 @@ use super::Args;
 use crate::cli::twin::Arm;
 use crate::cli::{out, save};
 use crate::diagnosis::By;
-use crate::report::table;
+use crate::report::{paragraph, table};
 use crate::servo::{Estimate, PositionGap};
 use crate::workflow::{IdentifiedServos, Told};
 
@@ -48,13 +48,27 @@ fn page(found: &IdentifiedServos) -> String {
     };
     format!(
         "{}\n{} position errors, {} simulations of all of it, {:.1} s; ended: {ended}\n\nPosition error, mean \
-         size and root mean square in mrad; rounding: what the encoder's steps alone leave\n{}",
+         size and root mean square in mrad; rounding: what the encoder's steps alone leave\n{}{}",
         values(&fitted.estimates),
         fitted.samples,
         fitted.evaluations,
         found.seconds,
-        errors(found)
+        errors(found),
+        offsets(found)
     )
+}
+
+/// What loggers did otherwise.
+fn offsets(found: &IdentifiedServos) -> String {
+    let first = found.fit.first().map_or_else(String::new, name);
+    let line = |told: &Told| told.time_offset.and_then(|o| o.line(&name(told), &first));
+    let lines = found.fit.iter().chain(&found.check).filter_map(line);
+    lines.map(|line| format!("\n{}\n", paragraph("", &line))).collect()
+}
+
+fn name(told: &Told) -> String {
+    let source = Path::new(&told.provenance.source);
+    source.file_name().map_or_else(String::new, |n| n.to_string_lossy().into())
 }
 
 fn errors(found: &IdentifiedServos) -> String {
@@ -67,8 +81,7 @@ fn errors(found: &IdentifiedServos) -> String {
 }
 
 fn rows(kind: &str, told: &Told, before: &PositionGap, after: &PositionGap) -> Vec<Vec<String>> {
-    let source = Path::new(&told.provenance.source);
-    let name = source.file_name().map_or_else(String::new, |n| n.to_string_lossy().into());
+    let name = name(told);
     let mrad = |rad: f64| format!("{:.2}", 1e3 * rad);
     let both = before.joints.iter().zip(&after.joints);
     both.map(|(b, a)| {

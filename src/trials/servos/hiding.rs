@@ -1,11 +1,13 @@
 //! What is hidden in a case: drawn, and brought to its strength by simulating.
 
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::arm::{SCALE, URDF, arm};
+use super::arm::{RATE_HZ, SCALE, URDF, arm};
 use super::position::{Plain, sharp};
 use crate::effects;
 use crate::motion::Trajectory;
+use crate::recording::{Channel, Recording};
 use crate::robot::{Chain, inverse_dynamics_series, urdf};
 use crate::simulation::{
     Command, Experiment, Injection, Moved, Run, Scenario, Setup, Simulation, SimulationError,
@@ -21,6 +23,8 @@ pub struct Hiding {
     pub scenario: Scenario,
     pub made: Experiment,
     pub effects: Vec<Effect>,
+    /// How much later than noted commands of the check recording are sent, s: loggers differ by up to a row.
+    pub time_offset_s: f64,
     third: Trajectory,
     /// The arm with the effects.
     hides: Setup,
@@ -55,7 +59,8 @@ impl Hiding {
         let third = third::motion(&scenario.motion, how.duration_s, &made.setup.robot)
             .map_err(|e| TrialError::Usage(format!("{case}: {e}")))?;
         let hides = made.setup.clone();
-        let mut hiding = Self { scenario, made, effects: Vec::new(), third, hides };
+        let (effects, time_offset_s) = (Vec::new(), 0.0);
+        let mut hiding = Self { scenario, made, effects, time_offset_s, third, hides };
         for (name, wanted) in &plan.effects {
             let shape = hiding.shape(name, rng)?;
             let Some(plain) = &plain else { continue };
@@ -63,6 +68,7 @@ impl Hiding {
             inject(&mut hiding.hides, &effect.injection, effect.replaces_coulomb);
             hiding.effects.push(effect);
         }
+        hiding.time_offset_s = rng.random_range(-1.0..1.0) / RATE_HZ;
         Ok(hiding)
     }
 
@@ -147,7 +153,8 @@ impl Hiding {
         self.effects.iter().all(fair)
     }
 
-    /// Fit and check recording, and a third one along another motion that encoders without noise and steps would show.
+    /// Fit recording, check recording with the command as it is noted, and a third one along another motion that encoders without
+    /// noise and steps would show.
     ///
     /// # Errors
     /// If the arm runs away.
@@ -157,7 +164,26 @@ impl Hiding {
             Simulation::new(setup)?.run(command, self.made.seed, number, &mut |_| true)
         };
         let Experiment { fit, check, .. } = &self.made;
-        Ok([run(&self.hides, fit, 0)?, run(&self.hides, check, 1)?, run(&sharp, &self.third, 2)?])
+        let mut decides = run(&self.hides, check, 1)?;
+        note(&mut decides.recording, check, self.time_offset_s);
+        Ok([run(&self.hides, fit, 0)?, decides, run(&sharp, &self.third, 2)?])
+    }
+}
+
+/// In each row the command that is sent so much later, s.
+fn note(recording: &mut Recording, command: &dyn Command, late_s: f64) {
+    let Recording { time, channels, .. } = recording;
+    let told: Vec<&mut Channel> =
+        channels.iter_mut().filter(|c| c.name.starts_with("target_q_")).collect();
+    let [mut q, mut qd, mut qdd] = [(); 3].map(|()| vec![0.0; told.len()]);
+    let rows: Vec<Vec<f64>> = (time.iter())
+        .map(|t| {
+            command.at((t + late_s).clamp(0.0, command.duration()), &mut q, &mut qd, &mut qdd);
+            q.clone()
+        })
+        .collect();
+    for (j, channel) in told.into_iter().enumerate() {
+        channel.values = rows.iter().map(|row| row[j]).collect();
     }
 }
 

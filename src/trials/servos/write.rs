@@ -37,6 +37,7 @@ pub fn write(
         "attempt": attempt,
         "scenario": hiding.scenario,
         "position_noise_rad": position_noise(),
+        "time_offset_s": hiding.time_offset_s,
     });
     let truth = truth(how, plan, name, effects, setup.robot.dof(), made);
     seal::write_truth(out, &Truth { third: true, ..truth })

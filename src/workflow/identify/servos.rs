@@ -1,11 +1,12 @@
 //! Values by which an arm of position servos, simulated along its command, goes where the recorded one did.
 
 use super::Identify;
-use crate::diagnosis::By;
+use crate::diagnosis::{By, TimeOffset};
 use crate::follow::Watch;
 use crate::recording::{Provenance, refuse_same};
 use crate::servo::{
-    self, Fitted, Free, PositionGap, ServoError, Settings, Track, free_parameters, replay,
+    self, Fitted, Following, Free, PositionGap, ServoError, Settings, Track, free_parameters,
+    replay,
 };
 use crate::signals::Conditioning;
 use crate::twin::Twin;
@@ -19,6 +20,8 @@ const USUAL: [&str; 6] =
 pub struct Told {
     pub provenance: Provenance,
     pub track: Track,
+    /// Against the first recording that is fitted; its track has the command so much later.
+    pub time_offset: Option<TimeOffset>,
 }
 
 /// An identification by simulation and all that led to it.
@@ -72,13 +75,14 @@ impl Identify {
         let all = |recordings: Vec<Prepared<'_>>| -> Result<Vec<Told>, WorkflowError> {
             recordings.into_iter().map(|r| told(r, &arm.twin, &how)).collect()
         };
-        let (fit, check) = (all(fit)?, all(check)?);
+        let (mut fit, mut check) = (all(fit)?, all(check)?);
+        watch.tell("fitting by simulation", 0, 0);
+        as_sent(&arm.twin, fit.iter_mut().chain(&mut check), watch)?;
         let terms = self.servo_terms(&arm.twin);
         let mut free = free_parameters(&arm.twin, &terms)?;
         self.bound(&mut free);
         let tracks: Vec<&Track> = fit.iter().map(|t| &t.track).collect();
         let settings = Settings::default();
-        watch.tell("fitting by simulation", 0, 0);
         let fitted = servo::identify(&arm.twin, &tracks, &free, &settings, watch)?;
         let checked = check.iter().map(|t| before_and_after(&arm.twin, &fitted.twin, &t.track));
         let checked = checked.collect::<Result<_, ServoError>>()?;
@@ -135,7 +139,29 @@ fn told(recording: Prepared<'_>, twin: &Twin, how: &Conditioning) -> Result<Told
     let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
     let at = |error: ServoError| WorkflowError::from(error).at(&recording.provenance.source);
     let track = Track::new(&samples, servo).map_err(at)?;
-    Ok(Told { provenance: recording.provenance.clone(), track })
+    Ok(Told { provenance: recording.provenance.clone(), track, time_offset: None })
+}
+
+/// Commands as they were sent, where loggers noted them otherwise than in the first recording. Where the twin runs away along that,
+/// nothing is known of it.
+fn as_sent<'a>(
+    twin: &Twin,
+    mut all: impl Iterator<Item = &'a mut Told>,
+    watch: &dyn Watch,
+) -> Result<(), ServoError> {
+    let (Some(first), mut others) = (all.next(), all.peekable()) else { return Ok(()) };
+    if others.peek().is_none() {
+        return Ok(());
+    }
+    let following = match Following::new(twin, &first.track, watch) {
+        Err(ServoError::Diverged { .. }) => return Ok(()),
+        following => following?,
+    };
+    for told in others {
+        told.time_offset = following.time_offset([&first.track, &told.track], watch)?;
+        told.track = told.track.later(told.time_offset.map_or(0.0, |o| o.late_s));
+    }
+    Ok(())
 }
 
 fn before_and_after(

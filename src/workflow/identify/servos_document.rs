@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::IdentifiedServos;
 use super::servos::Told;
-use crate::diagnosis::By;
+use crate::diagnosis::{By, TimeOffset};
 use crate::identification::levenberg_marquardt::Stop;
 use crate::recording::Provenance;
 use crate::servo::{Estimate, PositionGap, Settings};
@@ -41,6 +41,8 @@ struct MethodPart<'a> {
 struct Gaps<'a> {
     before: Vec<&'a PositionGap>,
     after: Vec<&'a PositionGap>,
+    /// Against the first recording that is fitted.
+    time_offset: Vec<Option<TimeOffset>>,
 }
 
 #[derive(Serialize)]
@@ -101,10 +103,12 @@ impl IdentifiedServos {
                 fit: Gaps {
                     before: self.fitted.before.iter().collect(),
                     after: self.fitted.after.iter().collect(),
+                    time_offset: self.fit.iter().map(|t| t.time_offset).collect(),
                 },
                 check: Gaps {
                     before: self.checked.iter().map(|[before, _]| before).collect(),
                     after: self.checked.iter().map(|[_, after]| after).collect(),
+                    time_offset: self.check.iter().map(|t| t.time_offset).collect(),
                 },
             }],
         }

@@ -1,0 +1,49 @@
+//! A twin that follows a recording, whatever its values stand for.
+
+use super::fit::Fit;
+use super::time_offset::time_offset;
+use super::{Free, ServoError, Track, free_parameters};
+use crate::diagnosis::TimeOffset;
+use crate::follow::Watch;
+use crate::twin::Twin;
+
+/// What lets a simulated servo follow a recorded one, whatever the cause.
+const FOLLOWING: [&str; 7] = [
+    "servo_gain",
+    "servo_offset",
+    "servo_delay",
+    "servo_damping",
+    "coulomb",
+    "viscous",
+    "rotor_inertia",
+];
+
+/// The twin, and the values by which it follows, which begin where it has them and are expected near those of the twin as given.
+pub struct Following {
+    pub twin: Twin,
+    free: Vec<Free>,
+}
+
+impl Following {
+    /// # Errors
+    /// As [`super::identify`].
+    pub fn new(given: &Twin, track: &Track, watch: &dyn Watch) -> Result<Self, ServoError> {
+        let free = free_parameters(given, &FOLLOWING.map(String::from))?;
+        let mut free: Vec<Free> = free.into_iter().map(|f| f.near_start(given)).collect();
+        let twin = Fit::FromFar.of(given, &[track], &free, watch)?;
+        free.iter_mut().for_each(|f| f.start = f.value_in(&twin).clamp(f.min, f.max));
+        Ok(Self { twin, free })
+    }
+
+    /// By how much commands of the second track are sent later beside positions than those of the first ([`time_offset`]).
+    ///
+    /// # Errors
+    /// If `watch` ends it.
+    pub fn time_offset(
+        &self,
+        tracks: [&Track; 2],
+        watch: &dyn Watch,
+    ) -> Result<Option<TimeOffset>, ServoError> {
+        time_offset(&self.twin, tracks, &self.free, watch)
+    }
+}
