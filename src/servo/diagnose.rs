@@ -8,7 +8,7 @@
 
 use super::choice::Sifted;
 use super::folds::{Folds, Halved};
-use super::following::Following;
+use super::following::{AsSent, Following};
 use super::judge::{Mended, prove};
 use super::refit::{Refits, Refitted};
 use super::scatter::{birge_ratio, widen};
@@ -40,29 +40,26 @@ pub fn diagnose(
     watch: &dyn Watch,
 ) -> Result<Found, ServoError> {
     let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
-    let [fit_track, check_track] =
-        Track::of_one_arm([Track::new(fit, servo)?, Track::new(check, servo)?]);
+    let noted = Track::of_one_arm([Track::new(fit, servo)?, Track::new(check, servo)?]);
     watch.tell("fitting what the twin leaves open", 0, 0);
-    let by_fit = Refits::new(twin, vec![&fit_track], watch)?.before;
-    let following = Following::new(&by_fit, &fit_track, watch)?;
-    let offset = following.time_offset([&fit_track, &check_track], watch)?;
-    let both = [fit_track, check_track.later(offset.map_or(0.0, |o| o.late_s))];
-    let [fit_track, check_track] = &both;
-    let refits = Refits { twin, tracks: vec![fit_track], watch, before: by_fit };
+    let refits = Refits::new(twin, vec![&noted[0]], watch)?;
+    let following = Following::new(&refits.before, &noted[0], watch)?;
+    let as_sent = following.as_sent(&noted, watch)?;
     let horizon_s = Settings::default().horizon_s;
-    let [seen_fit, seen_check] = [(fit, fit_track), (check, check_track)]
+    let [seen_fit, seen_check] = [(fit, &as_sent.both[0]), (check, &as_sent.both[1])]
         .map(|(recorded, track)| linearised(&following.twin, recorded, track, horizon_s));
-    let halved = Halved::new(both.clone());
+    let halved = Halved::new(as_sent.both.clone());
     let folds = Folds::new(twin, &halved, watch)?;
-    let mut mended = Mended { time_offset: offset, ..unchanged(&refits.before) };
+    let mut mended = unchanged(&refits.before, as_sent);
     let mut proof = |offers: &[Offer]| {
         let sieve = Sieve { folds: &folds, settings };
         let Sifted { stand, mended: near, left, before } = sieve.sift(offers)?;
         let changes: Vec<Change> = stand.iter().map(|s| offers[s.index].change.clone()).collect();
         if !changes.is_empty() {
-            let of_both = Refits::new(twin, both.iter().collect(), watch)?;
-            let now = mend(&of_both, &refits, folds.nearer(&near)?, changes)?;
-            mended = Mended { time_offset: offset, ..now };
+            let near = folds.nearer(&near)?;
+            // What is found follows better than whatever lets a servo follow.
+            let as_sent = Following::new(near, &noted[0], watch)?.as_sent(&noted, watch)?;
+            mended = mend(&refits, as_sent, near, changes)?;
         }
         let [before_rad, after_rad] = [&before, &left].map(Sizes::mean_rad);
         mended.decided = CrossValidated { before_rad, after_rad };
@@ -71,33 +68,35 @@ pub fn diagnose(
     watch.tell(diagnosis::SEARCHING, 0, 0);
     let (mut diagnosis, traces) =
         diagnose_proved(twin, &seen_fit?, &seen_check?, settings, &mut proof, watch)?;
-    let simulated = prove(&mut diagnosis, twin, &refits.before, &mended, check_track)?;
+    let simulated = prove(&mut diagnosis, twin, &refits.before, &mended)?;
     Ok(Found { diagnosis, traces, simulated })
 }
 
 /// Nothing is changed.
-fn unchanged(before: &Twin) -> Mended {
+fn unchanged(before: &Twin, as_sent: AsSent) -> Mended {
     Mended {
         changes: Vec::new(),
         told: Refitted { twin: before.clone(), estimates: Vec::new() },
         alone: before.clone(),
         decided: CrossValidated::default(),
-        time_offset: None,
+        as_sent,
         birge_ratio: 1.0,
     }
 }
 
 /// Values of changes, which are near those of a twin, by both recordings and by the fit recording alone.
 fn mend(
-    of_both: &Refits<'_>,
     of_fit: &Refits<'_>,
+    as_sent: AsSent,
     near: &Twin,
     changes: Vec<Change>,
 ) -> Result<Mended, ServoError> {
+    let of_both = Refits::new(of_fit.twin, as_sent.both.iter().collect(), of_fit.watch)?;
     let mut told = of_both.all(near, &changes)?;
     let by_fit = of_fit.all(&told.twin, &changes)?;
-    let by_check = of_both.by(of_both.tracks[1]).all(&told.twin, &changes)?;
+    let by_check = of_both.by(&as_sent.both[1]).all(&told.twin, &changes)?;
     let birge_ratio = birge_ratio([&by_fit.estimates, &by_check.estimates]);
     widen(&mut told.estimates, birge_ratio);
-    Ok(Mended { changes, told, alone: by_fit.twin, birge_ratio, ..unchanged(near) })
+    let alone = by_fit.twin;
+    Ok(Mended { changes, told, alone, birge_ratio, ..unchanged(near, as_sent) })
 }

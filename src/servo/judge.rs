@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::following::AsSent;
 use super::parameters::stated;
 use super::refit::{Refitted, taken_out};
 use super::{Estimate, PositionGap, ServoError, Track, replay};
 use crate::diagnosis::{
     By, Cause, Change, CrossValidated, Diagnosis, JointPositionShrink, Position, PositionShrink,
-    SimulationShrink, TimeOffset, Value, Verdict,
+    SimulationShrink, Value, Verdict,
 };
 use crate::effects::find;
 use crate::series::JointSeries;
@@ -24,8 +25,8 @@ pub struct Mended {
     /// As the fit recording alone has them.
     pub alone: Twin,
     pub decided: CrossValidated,
-    /// How much later commands of the check recording are sent; its track has them so.
-    pub time_offset: Option<TimeOffset>,
+    /// Both recordings, their commands as what was found tells them.
+    pub as_sent: AsSent,
     /// How many times wider intervals are than errors of the fits say ([`super::scatter::birge_ratio`]).
     pub birge_ratio: f64,
 }
@@ -41,9 +42,9 @@ pub fn prove(
     twin: &Twin,
     before: &Twin,
     mended: &Mended,
-    track: &Track,
 ) -> Result<Vec<JointSeries>, ServoError> {
-    let Mended { changes, told, alone: after, .. } = mended;
+    let Mended { changes, told, alone: after, as_sent, .. } = mended;
+    let track = &as_sent.both[1];
     keep_open(&mut diagnosis.fitted_before, twin, before);
     keep_open(&mut diagnosis.fitted, twin, &told.twin);
     let is_of = |change: &Change, cause: &Cause| {
@@ -142,14 +143,14 @@ fn put(
     diagnosis.by = By::Simulation;
     diagnosis.shrink.simulation =
         Some(SimulationShrink { before_rad, after_rad, fraction, ..SimulationShrink::default() });
-    let Mended { decided: cross_validated, time_offset, birge_ratio, .. } = *mended;
+    let Mended { decided: cross_validated, birge_ratio, .. } = *mended;
     diagnosis.position = Some(Position {
         before_rad,
         after_rad,
         fraction,
         cross_validated,
         birge_ratio,
-        time_offset,
+        time_offset: mended.as_sent.time_offset,
         joints,
         causes,
     });

@@ -18,7 +18,7 @@ use crate::regression::bounds::Bounds;
 use crate::twin::Twin;
 
 /// The effect that does the same in both recordings.
-const DELAY: &str = "servo_delay";
+pub const DELAY: &str = "servo_delay";
 /// No two recordings are further apart, s.
 const LONGEST_S: f64 = 0.2;
 
