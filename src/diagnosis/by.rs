@@ -40,7 +40,7 @@ pub struct Position {
     /// from the other more than those do (Birge, Phys. Rev. 40, 1932); 1 where it does not.
     #[serde(default = "as_they_are")]
     pub birge_ratio: f64,
-    /// Nothing where one joint alone would tell it.
+    /// Of the check recording beside the fit recording; none where one joint alone would tell it.
     #[serde(default)]
     pub time_offset: Option<TimeOffset>,
     pub joints: Vec<JointPositionShrink>,
@@ -52,15 +52,17 @@ fn as_they_are() -> f64 {
     1.0
 }
 
-/// How much later commands of the check recording were sent beside positions than those of the fit recording, s: what loggers note in
-/// one row is not of one instant. The twin is led along the check recording with its commands so much later.
+/// By how much later commands of one recording were sent beside positions than those of another: what loggers note in one row is
+/// not of one instant. The twin is led along that recording with its commands so much later.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TimeOffset {
+    /// s; below zero where they were sent earlier.
     pub late_s: f64,
+    /// s; at most about a row, which is what is expected of loggers.
     pub standard_error_s: f64,
 }
 
-/// Of the interval outside which two recordings surely differ.
+/// Probability that an interval holds the offset: recordings whose interval holds none surely differ.
 const LEVEL: f64 = 0.9;
 
 impl TimeOffset {
@@ -72,7 +74,7 @@ impl TimeOffset {
         let [late, error] = [self.late_s.abs(), self.standard_error_s].map(|s| 1e3 * s);
         let way = if self.late_s > 0.0 { "later" } else { "earlier" };
         Some(format!(
-            "Commands of {recording} were sent {late:.1} +- {error:.1} ms {way} beside positions than those of {other}, at \
+            "Commands of {recording} were sent {late:.2} +- {error:.2} ms {way} beside positions than those of {other}, at \
              all joints: what a logger notes in one row is not of one instant. The twin is led along them as they were sent."
         ))
     }

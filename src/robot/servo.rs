@@ -62,9 +62,9 @@ mod unlimited {
 pub struct Told {
     /// s
     pub dt: f64,
-    /// Command as it was sent, rad.
+    /// Command as it was noted, rad.
     pub command: JointSeries,
-    /// How much later than noted it was sent, beside the position, s.
+    /// By how much later than noted it was sent beside the position, s: what a logger notes in one row is not of one instant.
     pub late: f64,
     /// Command as it arrived, with offset, less position, rad.
     pub error: JointSeries,

@@ -133,7 +133,7 @@ impl Arm {
     pub fn hear(&mut self, track: &Track, k: usize, place: f64) {
         for (j, heard) in self.heard.iter_mut().enumerate() {
             let late = (track.told.late + self.servo.delay[j]) / track.dt;
-            heard.command = at_place(track.command.joint(j), place - late);
+            heard.command = at_place(track.told.command.joint(j), place - late);
             heard.gain = track.factor.joint(j)[k] * self.servo.gain[j];
         }
     }

@@ -40,17 +40,18 @@ pub fn diagnose(
     watch: &dyn Watch,
 ) -> Result<Found, ServoError> {
     let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
-    let noted = Track::of_one_arm([Track::new(fit, servo)?, Track::new(check, servo)?]);
+    let [fit_track, noted] =
+        Track::of_one_arm([Track::new(fit, servo)?, Track::new(check, servo)?]);
     watch.tell("fitting what the twin leaves open", 0, 0);
-    let refits = Refits::new(twin, vec![&noted[0]], watch)?;
-    let following = Following::new(&refits.before, &noted[0], watch)?;
-    let as_sent = following.as_sent(&noted, watch)?;
+    let refits = Refits::new(twin, vec![&fit_track], watch)?;
+    let following = Following::new(&refits.before, &fit_track, watch)?;
+    let check_as_sent = following.as_sent([&fit_track, &noted], watch)?;
     let horizon_s = Settings::default().horizon_s;
-    let [seen_fit, seen_check] = [(fit, &as_sent.both[0]), (check, &as_sent.both[1])]
+    let [seen_fit, seen_check] = [(fit, &fit_track), (check, &check_as_sent.track)]
         .map(|(recorded, track)| linearised(&following.twin, recorded, track, horizon_s));
-    let halved = Halved::new(as_sent.both.clone());
+    let halved = Halved::new([fit_track.clone(), check_as_sent.track.clone()]);
     let folds = Folds::new(twin, &halved, watch)?;
-    let mut mended = unchanged(&refits.before, as_sent);
+    let mut mended = unchanged(&refits.before, check_as_sent);
     let mut proof = |offers: &[Offer]| {
         let sieve = Sieve { folds: &folds, settings };
         let Sifted { stand, mended: near, left, before } = sieve.sift(offers)?;
@@ -58,8 +59,9 @@ pub fn diagnose(
         if !changes.is_empty() {
             let near = folds.nearer(&near)?;
             // What is found follows better than whatever lets a servo follow.
-            let as_sent = Following::new(near, &noted[0], watch)?.as_sent(&noted, watch)?;
-            mended = mend(&refits, as_sent, near, changes)?;
+            let following = Following::new(near, &fit_track, watch)?;
+            let check = following.as_sent([&fit_track, &noted], watch)?;
+            mended = mend(&refits, check, near, changes)?;
         }
         let [before_rad, after_rad] = [&before, &left].map(Sizes::mean_rad);
         mended.decided = CrossValidated { before_rad, after_rad };
@@ -73,13 +75,13 @@ pub fn diagnose(
 }
 
 /// Nothing is changed.
-fn unchanged(before: &Twin, as_sent: AsSent) -> Mended {
+fn unchanged(before: &Twin, check: AsSent) -> Mended {
     Mended {
         changes: Vec::new(),
         told: Refitted { twin: before.clone(), estimates: Vec::new() },
         alone: before.clone(),
         decided: CrossValidated::default(),
-        as_sent,
+        check,
         birge_ratio: 1.0,
     }
 }
@@ -87,16 +89,17 @@ fn unchanged(before: &Twin, as_sent: AsSent) -> Mended {
 /// Values of changes, which are near those of a twin, by both recordings and by the fit recording alone.
 fn mend(
     of_fit: &Refits<'_>,
-    as_sent: AsSent,
+    check: AsSent,
     near: &Twin,
     changes: Vec<Change>,
 ) -> Result<Mended, ServoError> {
-    let of_both = Refits::new(of_fit.twin, as_sent.both.iter().collect(), of_fit.watch)?;
+    let tracks = vec![of_fit.tracks[0], &check.track];
+    let of_both = Refits::new(of_fit.twin, tracks, of_fit.watch)?;
     let mut told = of_both.all(near, &changes)?;
     let by_fit = of_fit.all(&told.twin, &changes)?;
-    let by_check = of_both.by(&as_sent.both[1]).all(&told.twin, &changes)?;
+    let by_check = of_both.by(&check.track).all(&told.twin, &changes)?;
     let birge_ratio = birge_ratio([&by_fit.estimates, &by_check.estimates]);
     widen(&mut told.estimates, birge_ratio);
     let alone = by_fit.twin;
-    Ok(Mended { changes, told, alone, birge_ratio, ..unchanged(near, as_sent) })
+    Ok(Mended { changes, told, alone, birge_ratio, ..unchanged(near, check) })
 }

@@ -24,10 +24,10 @@ pub struct Following {
     free: Vec<Free>,
 }
 
-/// Two recordings, commands of the second one as they were sent beside the first.
-#[derive(Clone)]
+/// A recording with its commands as they were sent, beside another.
 pub struct AsSent {
-    pub both: [Track; 2],
+    pub track: Track,
+    /// None where these two do not tell it.
     pub time_offset: Option<TimeOffset>,
 }
 
@@ -44,28 +44,13 @@ impl Following {
         Ok(Self { twin, free })
     }
 
-    /// By how much commands of the second track are sent later beside positions than those of the first ([`time_offset`]).
+    /// The second of two recordings, of which the first is followed, as it was sent ([`time_offset`]).
     ///
     /// # Errors
     /// If `watch` ends it.
-    pub fn time_offset(
-        &self,
-        tracks: [&Track; 2],
-        watch: &dyn Watch,
-    ) -> Result<Option<TimeOffset>, ServoError> {
-        time_offset(&self.twin, tracks, &self.free, watch)
-    }
-    /// Two recordings as this tells them, of which the first is followed.
-    ///
-    /// # Errors
-    /// If `watch` ends it.
-    pub fn as_sent(
-        &self,
-        [first, second]: &[Track; 2],
-        watch: &dyn Watch,
-    ) -> Result<AsSent, ServoError> {
-        let time_offset = self.time_offset([first, second], watch)?;
-        let sent = second.later(time_offset.map_or(0.0, |o| o.late_s));
-        Ok(AsSent { both: [first.clone(), sent], time_offset })
+    pub fn as_sent(&self, tracks: [&Track; 2], watch: &dyn Watch) -> Result<AsSent, ServoError> {
+        let time_offset = time_offset(&self.twin, tracks, &self.free, watch)?;
+        let track = tracks[1].later(time_offset.map_or(0.0, |o| o.late_s));
+        Ok(AsSent { track, time_offset })
     }
 }

@@ -25,8 +25,8 @@ pub struct Mended {
     /// As the fit recording alone has them.
     pub alone: Twin,
     pub decided: CrossValidated,
-    /// Both recordings, their commands as what was found tells them.
-    pub as_sent: AsSent,
+    /// The recording that decides, with its commands as what was found tells them.
+    pub check: AsSent,
     /// How many times wider intervals are than errors of the fits say ([`super::scatter::birge_ratio`]).
     pub birge_ratio: f64,
 }
@@ -43,8 +43,8 @@ pub fn prove(
     before: &Twin,
     mended: &Mended,
 ) -> Result<Vec<JointSeries>, ServoError> {
-    let Mended { changes, told, alone: after, as_sent, .. } = mended;
-    let track = &as_sent.both[1];
+    let Mended { changes, told, alone: after, check, .. } = mended;
+    let track = &check.track;
     keep_open(&mut diagnosis.fitted_before, twin, before);
     keep_open(&mut diagnosis.fitted, twin, &told.twin);
     let is_of = |change: &Change, cause: &Cause| {
@@ -150,7 +150,7 @@ fn put(
         fraction,
         cross_validated,
         birge_ratio,
-        time_offset: mended.as_sent.time_offset,
+        time_offset: mended.check.time_offset,
         joints,
         causes,
     });

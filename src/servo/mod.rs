@@ -39,7 +39,7 @@ mod yardstick;
 pub use diagnose::{Found, diagnose};
 pub use error::ServoError;
 pub use fit::{Estimate, Fitted, Settings, identify};
-pub use following::Following;
+pub use following::{AsSent, Following};
 pub use gap::{JointPosition, PositionGap};
 pub use linear::linearised;
 pub use parameters::{Free, free_parameters};

@@ -19,7 +19,7 @@ use crate::twin::Twin;
 
 /// The effect that does the same in both recordings.
 pub const DELAY: &str = "servo_delay";
-/// No two recordings are further apart, s.
+/// No two recordings are further apart, s: the longest delay of a servo.
 const LONGEST_S: f64 = 0.2;
 
 /// By how much commands of the second of two tracks are sent later beside positions than those of the first: what is most likely where
@@ -56,12 +56,18 @@ pub fn time_offset(
     .map_err(ServoError::from)
 }
 
+/// Errors count as in every fit for a diagnosis ([`super::fit::Fit`]).
+fn posed<'a>(twin: &'a Twin, tracks: &'a [&'a Track; 2], free: &'a [Free]) -> Problem<'a> {
+    let mut problem = Problem::new(twin, tracks, free, Settings::default().horizon_s);
+    (problem.counts_independent, problem.is_robust) = (true, true);
+    problem
+}
+
 /// Errors of both tracks by values of the twin, and by how much later commands of the second one are sent.
 struct Shifted<'a> {
     twin: &'a Twin,
     tracks: [&'a Track; 2],
     free: &'a [Free],
-    horizon_s: f64,
     weights: Vec<f64>,
     prior_weight: f64,
 }
@@ -69,13 +75,11 @@ struct Shifted<'a> {
 impl<'a> Shifted<'a> {
     /// Each joint weighed by what is left of it with commands as they are noted.
     fn new(twin: &'a Twin, tracks: [&'a Track; 2], free: &'a [Free]) -> Self {
-        let horizon_s = Settings::default().horizon_s;
-        let mut problem = Problem::new(twin, &tracks, free, horizon_s);
-        (problem.counts_independent, problem.is_robust) = (true, true);
+        let mut problem = posed(twin, &tracks, free);
         let errors = problem.errors(&starts(free));
         weigh(&mut problem, &errors);
         let Problem { weights, prior_weight, .. } = problem;
-        Self { twin, tracks, free, horizon_s, weights, prior_weight }
+        Self { twin, tracks, free, weights, prior_weight }
     }
 
     fn bounds(&self) -> Option<Bounds> {
@@ -89,8 +93,7 @@ impl<'a> Shifted<'a> {
         let (values, late) = x.split_at(self.free.len());
         let later = self.tracks[1].later(late[0]);
         let tracks = [self.tracks[0], &later];
-        let mut problem = Problem::new(self.twin, &tracks, self.free, self.horizon_s);
-        (problem.counts_independent, problem.is_robust) = (true, true);
+        let mut problem = posed(self.twin, &tracks, self.free);
         problem.weights.clone_from(&self.weights);
         problem.prior_weight = self.prior_weight;
         of(&problem, values)
@@ -98,8 +101,8 @@ impl<'a> Shifted<'a> {
 
     /// Rows of one joint, and those of them that are of the first track.
     fn rows(&self) -> [usize; 2] {
-        let of = |track: &Track| track.stretches(self.horizon_s).iter().map(|s| s.len()).sum();
-        let [first, second]: [usize; 2] = self.tracks.map(of);
+        let stretches = self.tracks.map(|track| track.stretches(Settings::default().horizon_s));
+        let [first, second] = stretches.map(|all| all.iter().map(|s| s.len()).sum::<usize>());
         [first + second, first]
     }
 

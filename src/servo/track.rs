@@ -12,8 +12,6 @@ pub struct Track {
     pub dt: f64,
     /// Time of the first sample in the recording, s.
     pub start: f64,
-    /// What the servos were told, rad.
-    pub command: JointSeries,
     /// All that is recorded of what the servos were told.
     pub told: Told,
     /// Position as recorded, rad.
@@ -41,7 +39,6 @@ impl Track {
         Ok(Self {
             dt: samples.dt,
             start: samples.start,
-            command: told.command.clone(),
             told: told.clone(),
             q: told.q.clone(),
             smooth_q: samples.q.clone(),

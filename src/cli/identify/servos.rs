@@ -63,7 +63,7 @@ fn offsets(found: &IdentifiedServos) -> String {
     let first = found.fit.first().map_or_else(String::new, name);
     let line = |told: &Told| told.time_offset.and_then(|o| o.line(&name(told), &first));
     let lines = found.fit.iter().chain(&found.check).filter_map(line);
-    lines.map(|line| format!("\n{}\n", paragraph("", &line))).collect()
+    lines.map(|line| format!("\n\n{}", paragraph("", &line))).collect()
 }
 
 fn name(told: &Told) -> String {

@@ -13,7 +13,6 @@ fn told(noted_s: impl Fn(usize) -> f64) -> Option<TimeOffset> {
         let place = |k: usize| k as f64 + noted_s(j) / check.dt;
         let noted: Vec<f64> =
             (0..sent.len()).map(|k| crate::series::at_place(&sent, place(k))).collect();
-        check.command.joint_mut(j).copy_from_slice(&noted);
         check.told.command.joint_mut(j).copy_from_slice(&noted);
     }
     let mut twin = truth;

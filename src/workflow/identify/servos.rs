@@ -5,8 +5,8 @@ use crate::diagnosis::{By, TimeOffset};
 use crate::follow::Watch;
 use crate::recording::{Provenance, refuse_same};
 use crate::servo::{
-    self, Fitted, Following, Free, PositionGap, ServoError, Settings, Track, free_parameters,
-    replay,
+    self, AsSent, Fitted, Following, Free, PositionGap, ServoError, Settings, Track,
+    free_parameters, replay,
 };
 use crate::signals::Conditioning;
 use crate::twin::Twin;
@@ -158,8 +158,9 @@ fn as_sent<'a>(
         following => following?,
     };
     for told in others {
-        told.time_offset = following.time_offset([&first.track, &told.track], watch)?;
-        told.track = told.track.later(told.time_offset.map_or(0.0, |o| o.late_s));
+        let AsSent { track, time_offset } =
+            following.as_sent([&first.track, &told.track], watch)?;
+        (told.track, told.time_offset) = (track, time_offset);
     }
     Ok(())
 }
