@@ -134,6 +134,10 @@ impl Effect for ExternalContact {
         flange.per_force.iter().map(while_it_touches).collect()
     }
 
+    fn feels_other_joints(&self) -> bool {
+        true
+    }
+
     fn act(&self, values: &[f64], state: &JointState<'_>, _: &mut [f64], load: &mut JointLoad) {
         load.torque += torque(values, state.arm).map_or(0.0, |torque| torque[state.joint]);
     }

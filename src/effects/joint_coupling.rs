@@ -59,6 +59,10 @@ impl Effect for JointCoupling {
         linear.iter().any(|drag| *drag != 0.0)
     }
 
+    fn feels_other_joints(&self) -> bool {
+        true
+    }
+
     fn act(&self, values: &[f64], state: &JointState<'_>, _: &mut [f64], load: &mut JointLoad) {
         let speed = |at: Option<usize>| at.and_then(|j| state.arm.qd.get(j)).unwrap_or(&0.0);
         load.torque += values[0] * speed(state.joint.checked_sub(1))

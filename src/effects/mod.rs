@@ -432,6 +432,11 @@ pub trait Effect: Sync {
     ) {
     }
 
+    /// Inject: does what it adds at one joint depend on where other joints are, or how they move?
+    fn feels_other_joints(&self) -> bool {
+        false
+    }
+
     /// Inject, an effect of the whole arm without memory: [`act`](Effect::act) at every joint at once, for
     /// what all of them share; one entry of `loads` per joint.
     fn act_on_arm(&self, values: &[f64], arm: &ArmState<'_>, loads: &mut [JointLoad]) {

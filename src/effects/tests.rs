@@ -54,6 +54,36 @@ fn assert_close(name: &str, a: &JointSeries, b: &JointSeries, share: f64) {
     }
 }
 
+/// What an effect adds at a joint where others are, and move, elsewhere: the same unless the effect says that it feels them.
+#[test]
+fn an_effect_feels_other_joints_where_it_says_so() {
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    let robot = samples::random_arm(3, &mut rng);
+    for effect in CATALOGUE.iter().copied() {
+        let mut differs = false;
+        for _ in 0..50 {
+            let values = draw(effect, &mut rng);
+            let mut three = |scale: f64| [(); 3].map(|()| scale * rng.random_range(-1.0..1.0));
+            let [q, qd, transmitted] = [three(1.0), three(0.5), three(3.0)];
+            let (others, moving) = (three(1.0), three(0.5));
+            // What acts for a while may begin at any time within a day.
+            let (time, temperature) = (rng.random_range(0.0..1e5), [30.0; 3]);
+            let load = |q: &[f64; 3], qd: &[f64; 3]| {
+                let (transmitted, temperature) = (&transmitted[..], &temperature[..]);
+                let arm = ArmState { robot: &robot, time, dt: DT, q, qd, transmitted, temperature };
+                let (mut load, mut memory) =
+                    (JointLoad::default(), vec![0.0; effect.about().memory]);
+                effect.act(&values, &arm.joint(1), &mut memory, &mut load);
+                load
+            };
+            let elsewhere = |own: [f64; 3], other: [f64; 3]| [other[0], own[1], other[2]];
+            differs |= load(&q, &qd) != load(&elsewhere(q, others), &elsewhere(qd, moving));
+        }
+        let name = effect.about().name;
+        assert_eq!(differs, effect.feels_other_joints(), "{name}: feels_other_joints");
+    }
+}
+
 /// A parameter whose column is empty stays at zero: the first joint has no inner neighbour. What is left
 /// must still count as the effect, or a diagnosis could not name it there.
 #[test]

@@ -124,6 +124,11 @@ impl Arm {
         self.effects.any_lasts_a_while()
     }
 
+    /// Does what is asked of one joint depend on where others are, or how they move?
+    pub fn feels_other_joints(&self) -> bool {
+        self.effects.any_feels_other_joints()
+    }
+
     /// As before the first step.
     pub fn forget(&mut self) {
         self.effects.forget();
@@ -152,6 +157,21 @@ impl Arm {
 
     /// What is asked of every joint in the step of `h` s that begins there.
     pub fn ask(&mut self, at: &State, h: f64, asked: &mut [Asked]) {
+        self.ask_effects(at, h, asked);
+        for (j, asked) in asked.iter_mut().enumerate() {
+            let Heard { command, gain } = self.heard[j];
+            let on = if gain > 0.0 { 1.0 } else { 0.0 };
+            let shown = at.q[j] + self.mechanism.encoder_zero[j];
+            let [pull, slope] = self.servo.pull(j, gain, command - shown);
+            asked.torque -= pull;
+            asked.damping += on * self.servo.damping[j];
+            asked.dry += self.servo.friction[j] * pull.abs();
+            asked.slope = slope;
+        }
+    }
+
+    /// The part of that which effects ask.
+    pub fn ask_effects(&mut self, at: &State, h: f64, asked: &mut [Asked]) {
         let state = ArmState {
             robot: &self.mechanism.robot,
             time: at.time,
@@ -162,18 +182,9 @@ impl Arm {
             temperature: &at.temperature,
         };
         self.effects.loads(&state, &mut self.loads);
-        for (j, asked) in asked.iter_mut().enumerate() {
-            let Heard { command, gain } = self.heard[j];
-            let on = if gain > 0.0 { 1.0 } else { 0.0 };
-            let shown = at.q[j] + self.mechanism.encoder_zero[j];
-            let [pull, slope] = self.servo.pull(j, gain, command - shown);
-            let load = &self.loads[j];
-            *asked = Asked {
-                torque: load.torque - pull,
-                damping: load.damping + on * self.servo.damping[j],
-                dry: load.dry + self.servo.friction[j] * pull.abs(),
-                slope,
-            };
+        for (asked, load) in asked.iter_mut().zip(&self.loads) {
+            let JointLoad { torque, damping, dry, .. } = *load;
+            *asked = Asked { torque, damping, dry, slope: 0.0 };
         }
     }
 }

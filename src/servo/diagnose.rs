@@ -39,9 +39,7 @@ pub fn diagnose(
     settings: &diagnosis::Settings,
     watch: &dyn Watch,
 ) -> Result<Found, ServoError> {
-    let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
-    let [fit_track, noted] =
-        Track::of_one_arm([Track::new(fit, servo)?, Track::new(check, servo)?]);
+    let [fit_track, noted] = Track::of_one_arm([Track::new(fit, twin)?, Track::new(check, twin)?]);
     watch.tell("fitting what the twin leaves open", 0, 0);
     let refits = Refits::new(twin, vec![&fit_track], watch)?;
     let following = Following::new(&refits.before, &fit_track, watch)?;

@@ -28,28 +28,47 @@ impl Halved {
 /// Fits to the same half of both recordings.
 pub struct Fold<'a> {
     pub refits: Refits<'a>,
-    /// The half that is fitted to, led along the whole motion: fits go by stretches of it.
-    own: [Yardstick<'a>; 2],
-    /// The other half.
+    /// The half that is fitted to, of each recording.
+    own: [&'a Track; 2],
+    /// The other half, along the whole of each recording.
     against: [Yardstick<'a>; 2],
 }
 
 impl Fold<'_> {
     /// The twin, fitted from `start`, or `start` where stretches that begin in measured states led the fit away from what the
-    /// whole motion shows: an arm that stands is held there by friction, whatever it carries.
+    /// whole motion shows, of which `start` leaves so much ([`LeftAsIs::own`]): an arm that stands is held there by friction,
+    /// whatever it carries.
     ///
     /// # Errors
-    /// If a twin cannot be simulated.
-    pub fn nearer(&self, start: &Twin, fitted: Twin) -> Result<Twin, ServoError> {
-        let left = |twin: &Twin| -> Result<f64, ServoError> {
-            self.own.iter().map(|own| Ok(own.left_as_is(twin)?.ln())).sum()
-        };
-        Ok(if left(start)? < left(&fitted)? { start.clone() } else { fitted })
+    /// If the twin cannot be simulated.
+    pub fn nearer(
+        &self,
+        (start, left_by_start): (&Twin, f64),
+        fitted: Twin,
+    ) -> Result<Twin, ServoError> {
+        let (own, _) = self.left_as_is(&fitted)?;
+        Ok(if left_by_start < own { start.clone() } else { fitted })
+    }
+
+    /// What a twin leaves of the half that is fitted to ([`Sizes::ln`]), and of the other half of each recording.
+    fn left_as_is(&self, twin: &Twin) -> Result<(f64, [Sizes; 2]), ServoError> {
+        let of = |i: usize| self.against[i].left_as_is(self.own[i], twin);
+        let (first, second) = rayon::join(|| of(0), || of(1));
+        let ([first, own], [second, own_second]) = (first?, second?);
+        Ok((own.ln() + own_second.ln(), [first, second]))
     }
 }
 
 /// Twins, each fitted to one half.
 pub type Twins = [Twin; 2];
+
+/// What twins leave with all values that they have, led along both motions.
+pub struct LeftAsIs {
+    /// Of the half that each was fitted to ([`Sizes::ln`]).
+    pub own: [f64; 2],
+    /// Of the half that each was not fitted to.
+    pub other: Sizes,
+}
 
 /// Both folds.
 pub struct Folds<'a> {
@@ -65,14 +84,13 @@ impl<'a> Folds<'a> {
         let fold = |fitted: usize| -> Result<Fold<'a>, ServoError> {
             let tracks = both.halves.iter().map(|halves| &halves[fitted]).collect();
             let refits = Refits::new(twin, tracks, watch)?;
-            let of = |half: usize| {
-                [0, 1].map(|i| Yardstick {
-                    track: &both.whole[i],
-                    part: &both.halves[i][half],
-                    open: refits.open(),
-                })
-            };
-            let (own, against) = (of(fitted), of(1 - fitted));
+            let of = |half: usize| both.halves.each_ref().map(|halves| &halves[half]);
+            let (own, others) = (of(fitted), of(1 - fitted));
+            let against = [0, 1].map(|i| Yardstick {
+                track: &both.whole[i],
+                part: others[i],
+                open: refits.open(),
+            });
             Ok(Fold { refits, own, against })
         };
         Ok(Self { folds: [fold(0)?, fold(1)?], watch })
@@ -88,29 +106,22 @@ impl<'a> Folds<'a> {
     /// # Errors
     /// If a twin cannot be simulated.
     pub fn left(&self, twins: &Twins) -> Result<Sizes, ServoError> {
-        self.measured(twins, |against, twin| against.left(twin))
+        let left = self.each(twins.each_ref(), |fold, twin| {
+            let [first, second] = &fold.against;
+            let (first, second) = rayon::join(|| first.left(twin), || second.left(twin));
+            Ok([first?, second?])
+        })?;
+        Ok(together(left))
     }
 
-    /// What twins leave of the half that each was not fitted to, with all values that they have.
+    /// What twins leave with all values that they have.
     ///
     /// # Errors
     /// If a twin cannot be simulated.
-    pub fn left_as_is(&self, twins: &Twins) -> Result<Sizes, ServoError> {
-        self.measured(twins, |against, twin| against.left_as_is(twin))
-    }
-
-    fn measured(
-        &self,
-        twins: &Twins,
-        by: impl Fn(&Yardstick<'_>, &Twin) -> Result<Sizes, ServoError> + Sync,
-    ) -> Result<Sizes, ServoError> {
-        let of = |k: usize, i: usize| by(&self.folds[k].against[i], &twins[k]);
-        let of_recording = |i: usize| -> Result<Sizes, ServoError> {
-            let (first, second) = rayon::join(|| of(0, i), || of(1, i));
-            Ok(first?.and(second?))
-        };
-        let (first, second) = rayon::join(|| of_recording(0), || of_recording(1));
-        Ok(first?.beside(second?))
+    pub fn left_as_is(&self, twins: &Twins) -> Result<LeftAsIs, ServoError> {
+        let left = self.each(twins.each_ref(), |fold, twin| fold.left_as_is(twin))?;
+        let [(first, other), (second, other_second)] = left;
+        Ok(LeftAsIs { own: [first, second], other: together([other, other_second]) })
     }
 
     /// The one of two twins that leaves less of both recordings, whole: where one half hardly tells a value the other may.
@@ -118,11 +129,11 @@ impl<'a> Folds<'a> {
     /// # Errors
     /// If a twin cannot be simulated.
     pub fn nearer<'t>(&self, twins: &'t Twins) -> Result<&'t Twin, ServoError> {
-        let left = |k: usize| -> Result<f64, ServoError> {
-            let Fold { own, against, .. } = &self.folds[k];
-            own.iter().chain(against).map(|part| Ok(part.left_as_is(&twins[k])?.ln())).sum()
-        };
-        Ok(if left(1)? < left(0)? { &twins[1] } else { &twins[0] })
+        let [first, second] = self.each(twins.each_ref(), |fold, twin| {
+            let (own, other) = fold.left_as_is(twin)?;
+            Ok(own + other.iter().map(Sizes::ln).sum::<f64>())
+        })?;
+        Ok(if second < first { &twins[1] } else { &twins[0] })
     }
 
     /// Of each fold and its twin.
@@ -138,4 +149,9 @@ impl<'a> Folds<'a> {
         let (a, b) = rayon::join(|| of(&self.folds[0], a), || of(&self.folds[1], b));
         Ok([a?, b?])
     }
+}
+
+/// Errors of both halves of each of two recordings, as each fold has them.
+fn together([[a, b], [c, d]]: [[Sizes; 2]; 2]) -> Sizes {
+    a.and(c).beside(b.and(d))
 }

@@ -27,6 +27,7 @@ mod scatter;
 mod screen;
 mod sift;
 mod sizes;
+mod step;
 mod stick;
 mod tangent;
 #[cfg(test)]

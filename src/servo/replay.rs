@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use super::{Plant, ServoError, Track};
 use crate::series::JointSeries;
-use crate::signals::LONGEST_STEP_S;
 use crate::twin::Twin;
 
 /// Positions of the twin along a track, rad as the encoders show them, where it begins each of the
@@ -56,7 +55,7 @@ pub(super) fn lead<L: Led>(
     stretch: &Range<usize>,
     mut see: impl FnMut(&L),
 ) -> Result<(), ServoError> {
-    let steps = (track.dt / LONGEST_STEP_S).ceil().max(1.0);
+    let steps = track.steps as f64;
     let h = track.dt / steps;
     let at = |series: &JointSeries, k: usize| -> Vec<f64> {
         (0..track.joints()).map(|j| series.joint(j)[k]).collect()
@@ -69,7 +68,7 @@ pub(super) fn lead<L: Led>(
         if let Some(temperature) = &track.temperature {
             led.plant().set_temperature(&at(temperature, k));
         }
-        for step in 0..steps as usize {
+        for step in 0..track.steps {
             led.follow(h, track, k, k as f64 + step as f64 / steps);
         }
         led.plant().check()?;

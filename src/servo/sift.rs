@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::ServoError;
 use super::choice::{Choice, Sifted, Tried};
-use super::folds::{Folds, Twins};
+use super::folds::{Folds, LeftAsIs, Twins};
 use super::refit::is_at_bound;
 use super::screen::{Other, starts};
 use super::sizes::Sizes;
@@ -32,6 +32,8 @@ const PROMISING: f64 = 0.5;
 struct Promising {
     index: usize,
     starts: Twins,
+    /// What each leaves there of the half that it is fitted to.
+    left_own: [f64; 2],
     /// What it takes off there.
     gain: f64,
 }
@@ -120,8 +122,9 @@ impl Sieve<'_> {
     ) -> Result<Option<Sifted>, ServoError> {
         let mut with = sifted.clone();
         with.add(one);
-        self.fit_all(&mut with, &tried.twins, choice)?;
-        let in_full = self.tried(tried.index, choice, with.mended.clone())?;
+        self.fit_all(&mut with, (&tried.twins, &tried.left), choice)?;
+        let (twins, left) = (with.mended.clone(), with.left.clone());
+        let in_full = tried_in(twins, left, (tried.index, choice))?;
         Ok(choice.stands(sifted, &in_full).then_some(with))
     }
 
@@ -148,29 +151,29 @@ impl Sieve<'_> {
             let bound: Vec<bool> = bound.collect::<Result<_, _>>()?;
             idle.retain(|(i, _, without)| bound[*i] || !takes_off(*i, without));
             let least = idle.into_iter().min_by(|a, b| a.2.ln().total_cmp(&b.2.ln()));
-            let Some((i, twins, _)) = least else { break };
+            let Some((i, twins, left)) = least else { break };
             sifted.stand.remove(i);
-            self.fit_all(&mut sifted, &twins, choice)?;
+            self.fit_all(&mut sifted, (&twins, &left), choice)?;
         }
         Ok(sifted)
     }
 
-    /// All values of what stands, which are near those of twins, fitted together, as long as that brings them no further from
-    /// the recorded position.
+    /// All values of what stands, which are near those of twins that leave so much, fitted together, as long as that brings them
+    /// no further from the recorded position.
     fn fit_all(
         &self,
         sifted: &mut Sifted,
-        near: &Twins,
+        (near, as_near): (&Twins, &Sizes),
         choice: &Choice<'_>,
     ) -> Result<(), ServoError> {
         let changes = sifted.changes(choice.offers);
         let full =
             self.folds.each(near.each_ref(), |fold, near| fold.refits.close(near, &changes))?;
-        let (as_near, mended) = (self.folds.left(near)?, self.folds.left(&full)?);
-        let is_nearer = as_near.are_nearer(&mended, 1, self.settings);
+        let left = self.folds.left(&full)?;
+        let is_nearer = as_near.are_nearer(&left, 1, self.settings);
         (sifted.mended, sifted.left) = match is_nearer {
-            true => (near.clone(), as_near),
-            false => (full, mended),
+            true => (near.clone(), as_near.clone()),
+            false => (full, left),
         };
         Ok(())
     }
@@ -204,14 +207,14 @@ impl Sieve<'_> {
             told.push((index, starts));
         }
         // Starts have open values by the same first order; what the other half says of them is asked of what is fitted.
-        let as_is = self.folds.left_as_is(&sifted.mended)?;
+        let as_is = self.folds.left_as_is(&sifted.mended)?.other;
         let gain = |(index, starts): (usize, Twins)| -> Result<_, ServoError> {
-            let left = self.folds.left_as_is(&starts)?;
+            let LeftAsIs { own: left_own, other: left } = self.folds.left_as_is(&starts)?;
             let is_nearer = left.are_nearer(&as_is, choice.offers[index].among, self.settings);
             let gain = as_is.ln() - left.ln();
             let all = sifted.before.ln() - sifted.left.ln() + gain;
             let is_promising = is_nearer && choice.is_more_than_inexact([gain, all], PROMISING);
-            Ok(is_promising.then_some(Promising { index, starts, gain }))
+            Ok(is_promising.then_some(Promising { index, starts, left_own, gain }))
         };
         let told: Vec<Option<Promising>> =
             told.into_par_iter().map(gain).collect::<Result<_, _>>()?;
@@ -225,22 +228,26 @@ impl Sieve<'_> {
         &self,
         sifted: &Sifted,
         choice: &Choice<'_>,
-        Promising { index, starts, .. }: &Promising,
+        Promising { index, starts, left_own, .. }: &Promising,
     ) -> Result<Tried, ServoError> {
         let changes = with(&sifted.changes(choice.offers), &choice.offers[*index]);
-        let [a, b] = [0, 1].map(|k| (&sifted.mended[k], &starts[k]));
-        let twins = self.folds.each([a, b], |fold, (mended, start)| {
-            fold.nearer(start, fold.refits.beside(mended, &changes, start)?)
+        let twins = self.folds.each([0, 1], |fold, k| {
+            let fitted = fold.refits.beside(&sifted.mended[k], &changes, &starts[k])?;
+            fold.nearer((&starts[k], left_own[k]), fitted)
         })?;
-        self.tried(*index, choice, twins)
-    }
-
-    /// Twins that a change was fitted in.
-    fn tried(&self, index: usize, choice: &Choice<'_>, twins: Twins) -> Result<Tried, ServoError> {
         let left = self.folds.left(&twins)?;
-        let at_bound = are_at_bound(&twins, &choice.offers[index].change)?;
-        Ok(Tried { index, twins, left, at_bound })
+        tried_in(twins, left, (*index, choice))
     }
+}
+
+/// Twins that a change was fitted in, and what they leave.
+fn tried_in(
+    twins: Twins,
+    left: Sizes,
+    (index, choice): (usize, &Choice<'_>),
+) -> Result<Tried, ServoError> {
+    let at_bound = are_at_bound(&twins, &choice.offers[index].change)?;
+    Ok(Tried { index, twins, left, at_bound })
 }
 
 /// Those that promise most, of changes that promise something, most first.
@@ -273,6 +280,7 @@ mod tests {
             let one = |(index, gain): (usize, &f64)| Promising {
                 index,
                 starts: Default::default(),
+                left_own: [0.0; 2],
                 gain: *gain,
             };
             gains.iter().enumerate().map(one).collect()

@@ -5,6 +5,7 @@
 
 use super::{ServoError, Track, replay};
 use crate::diagnosis::{Settings, interval};
+use crate::series::JointSeries;
 use crate::twin::Twin;
 
 /// Sizes of errors along the commands of recordings, rad; infinite where the twin runs away.
@@ -21,25 +22,29 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// Of the samples that count, the twin led along all of the recording.
+    /// Of the samples that count in each of several parts of a recording, the twin led along all of it once.
     ///
     /// # Errors
     /// If the twin cannot be simulated.
-    pub fn along(track: &Track, counts: &[bool], twin: &Twin) -> Result<Self, ServoError> {
-        let used: Vec<usize> = (0..track.len()).filter(|&k| counts[k]).collect();
-        let joints = match replay(twin, track, &track.stretches(f64::INFINITY)) {
-            Ok(q) => {
-                let size = |j: usize, k: usize| (q.joint(j)[k] - track.q.joint(j)[k]).abs();
-                let of = |j: usize| used.iter().map(|&k| size(j, k)).collect();
-                (0..track.joints()).map(of).collect()
-            }
-            Err(ServoError::Diverged { .. }) => {
-                vec![vec![f64::INFINITY; used.len()]; track.joints()]
-            }
-            Err(other) => return Err(other),
+    pub fn along<const N: usize>(
+        track: &Track,
+        parts: [&[bool]; N],
+        twin: &Twin,
+    ) -> Result<[Self; N], ServoError> {
+        let simulated = match replay(twin, track, &track.stretches(f64::INFINITY)) {
+            Err(ServoError::Diverged { .. }) => None,
+            simulated => Some(simulated?),
         };
-        let rounding = track.resolution.iter().map(|r| r / 12f64.sqrt()).collect();
-        Ok(Self { joints, dof: track.joints().max(1), rounding, dt: track.dt })
+        let size = |j: usize, k: usize| {
+            let led = |q: &JointSeries| (q.joint(j)[k] - track.q.joint(j)[k]).abs();
+            simulated.as_ref().map_or(f64::INFINITY, led)
+        };
+        let rounding: Vec<f64> = track.resolution.iter().map(|r| r / 12f64.sqrt()).collect();
+        Ok(parts.map(|counts| {
+            let of = |j| (0..track.len()).filter(|&k| counts[k]).map(|k| size(j, k)).collect();
+            let joints = (0..track.joints()).map(of).collect();
+            Self { joints, dof: track.joints().max(1), rounding: rounding.clone(), dt: track.dt }
+        }))
     }
 
     /// With errors of other samples of the same recordings.

@@ -2,6 +2,7 @@
 
 mod columns;
 mod limits;
+mod steps;
 mod time_offset;
 mod tracks;
 
@@ -63,7 +64,7 @@ fn by_rapier(scenario: &str) -> (Twin, Track) {
         }
     }
     let samples = condition(&run.recording, &twin.drive, 6, &Conditioning::default()).unwrap();
-    let track = Track::new(&samples, twin.drive.servo.as_ref().unwrap()).unwrap();
+    let track = Track::new(&samples, &twin).unwrap();
     (twin, track)
 }
 

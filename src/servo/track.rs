@@ -1,15 +1,19 @@
 //! A recording as servos saw it: command and position on one grid, and where each stretch may begin.
 
 use super::ServoError;
-use crate::robot::{Told, servo};
+use super::step::steps;
+use crate::robot::Told;
 use crate::series::JointSeries;
 use crate::signals::Samples;
+use crate::twin::Twin;
 
 /// Command, position and the state it was in, at uniform instants.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track {
     /// s
     pub dt: f64,
+    /// Steps of a simulation from one sample to the next.
+    pub steps: usize,
     /// Time of the first sample in the recording, s.
     pub start: f64,
     /// All that is recorded of what the servos were told.
@@ -30,14 +34,16 @@ pub struct Track {
 }
 
 impl Track {
-    /// The track of a conditioned recording, for the servos it was conditioned with.
+    /// The track of a recording that was conditioned with the servos of `twin`.
     ///
     /// # Errors
-    /// If its torque is recorded and no servo was asked.
-    pub fn new(samples: &Samples, assumed: &servo::Servo) -> Result<Self, ServoError> {
+    /// If its torque is recorded and no servo was asked, or the twin has none.
+    pub fn new(samples: &Samples, twin: &Twin) -> Result<Self, ServoError> {
+        let assumed = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
         let told = samples.told.as_ref().ok_or(ServoError::NotTold)?;
         Ok(Self {
             dt: samples.dt,
+            steps: steps(twin, told),
             start: samples.start,
             told: told.clone(),
             q: told.q.clone(),

@@ -29,15 +29,16 @@ impl Yardstick<'_> {
     /// # Errors
     /// If the twin cannot be simulated.
     pub fn left(&self, twin: &Twin) -> Result<Sizes, ServoError> {
-        self.left_as_is(&self.opened(twin)?)
+        let [left] = Sizes::along(self.track, [&self.part.usable], &self.opened(twin)?)?;
+        Ok(left)
     }
 
-    /// What a twin leaves of the recording with all values that it has.
+    /// What a twin leaves with all values that it has, of this part of the recording and of another one.
     ///
     /// # Errors
     /// If the twin cannot be simulated.
-    pub fn left_as_is(&self, twin: &Twin) -> Result<Sizes, ServoError> {
-        Sizes::along(self.track, &self.part.usable, twin)
+    pub fn left_as_is(&self, other: &Track, twin: &Twin) -> Result<[Sizes; 2], ServoError> {
+        Sizes::along(self.track, [&self.part.usable, &other.usable], twin)
     }
 
     /// `twin` with its open values as the recording has them; as it is where that cannot be told.

@@ -26,7 +26,7 @@ pub use error::SignalError;
 pub use low_pass::LowPass;
 pub use mask::{Rows, erode, runs};
 pub use resample::{Interpolation, UniformGrid};
-pub use response::{Giving, LONGEST_STEP_S, Response};
+pub use response::{Giving, Response};
 pub use savitzky_golay::SavitzkyGolay;
 pub use thin::thin;
 

@@ -15,7 +15,7 @@
 use std::ops::Range;
 
 /// Longest step of servos' motion, s: a tenth of the time constants of small ones.
-pub const LONGEST_STEP_S: f64 = 0.002;
+const LONGEST_STEP_S: f64 = 0.002;
 
 /// A joint beside its simulated motion, sample by sample.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -94,6 +94,11 @@ impl Injections {
         self.acting.iter().any(|a| a.effect.lasts_a_while())
     }
 
+    /// Does what any of them adds at one joint depend on the others?
+    pub fn any_feels_other_joints(&self) -> bool {
+        self.acting.iter().any(|a| a.effect.feels_other_joints())
+    }
+
     /// As before the first step.
     pub fn forget(&mut self) {
         self.acting.iter_mut().for_each(|a| a.memory.fill(0.0));

@@ -412,7 +412,7 @@ fn what_servos_are_other_than_assumed_is_found_by_simulation() {
         let viscous = viscous.unwrap().values.iter().map(|v| v[0]).collect();
         twin.values = BTreeMap::from([("viscous".to_string(), viscous)]);
         let samples = condition_with(&case.run.recording, &twin, &Conditioning::default());
-        let track = Track::new(&samples, twin.drive.servo.as_ref().unwrap()).unwrap();
+        let track = Track::new(&samples, &twin).unwrap();
         let free = free_parameters(&twin, &[name.to_string()]).unwrap();
         let settings = servo::Settings { horizon_s: 2.0, ..servo::Settings::default() };
         let found = servo::identify(&twin, &[&track], &free, &settings, &()).unwrap();

@@ -93,6 +93,16 @@ impl Made {
     /// What servos and effects of an arm ask along it, N.m.
     pub fn asked_of(&mut self, arm: &mut Arm, torque: &mut [f64]) {
         arm.ask(&self.begin, self.h, &mut self.asked);
+        self.along(torque);
+    }
+
+    /// The part of that which effects ask.
+    pub fn asked_of_effects(&mut self, arm: &mut Arm, torque: &mut [f64]) {
+        arm.ask_effects(&self.begin, self.h, &mut self.asked);
+        self.along(torque);
+    }
+
+    fn along(&self, torque: &mut [f64]) {
         let speeds = self.begin.v.iter().zip(&self.after);
         for (torque, (asked, (before, after))) in
             torque.iter_mut().zip(self.asked.iter().zip(speeds))
@@ -116,7 +126,10 @@ impl Made {
     /// Adds how what servos and effects ask changes; with what gears transmit where that matters.
     pub fn add_asked(&mut self, arm: &mut Arm, is_loaded: bool, by: &mut ByState) {
         let sides = if arm.has_contacts() { &BOTH[..] } else { &AHEAD };
-        self.add_derivatives(by, sides, |made, torque| made.asked_of(arm, torque));
+        match arm.feels_other_joints() {
+            true => self.add_derivatives(by, sides, |made, torque| made.asked_of(arm, torque)),
+            false => self.add_own_derivatives(arm, by),
+        }
         if !is_loaded {
             return;
         }
@@ -128,6 +141,23 @@ impl Made {
             *by = (other - own) / MOVE;
         }
         self.other = other;
+    }
+
+    /// The same where no joint is asked for anything because of another: all are moved at once.
+    fn add_own_derivatives(&mut self, arm: &mut Arm, by: &mut ByState) {
+        let [mut own, mut other, mut before] =
+            [&mut self.own, &mut self.other, &mut self.slopes].map(std::mem::take);
+        self.asked_of(arm, &mut own);
+        for (part, by) in [((|s| &mut s.q) as Part, &mut by.q), (|s| &mut s.v, &mut by.v)] {
+            before.copy_from_slice(part(&mut self.begin));
+            part(&mut self.begin).iter_mut().for_each(|x| *x += MOVE);
+            self.asked_of(arm, &mut other);
+            part(&mut self.begin).copy_from_slice(&before);
+            for (j, (other, own)) in other.iter().zip(&own).enumerate() {
+                by[(j, j)] += (other - own) / MOVE;
+            }
+        }
+        (self.own, self.other, self.slopes) = (own, other, before);
     }
 
     /// Differences of a torque by positions and velocities; of several sides the smallest.

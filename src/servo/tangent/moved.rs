@@ -16,6 +16,8 @@ pub struct Moved {
     rotor: Vec<f64>,
     has_bodies: bool,
     has_servos: bool,
+    /// Do its servos pull otherwise, for they or what encoders show are others?
+    pulls: bool,
     is_asked: bool,
     torque: [Vec<f64>; 2],
 }
@@ -29,14 +31,15 @@ impl Moved {
         let shown = per_unit(&a.encoder_zero, &b.encoder_zero);
         let (lacks, has) = (own.beyond(other), other.beyond(own));
         let has_servos = own.servo != other.servo;
-        let acts = lacks.acts() || has.acts() || shown.iter().any(|s| *s != 0.0);
+        let pulls = has_servos || shown.iter().any(|s| *s != 0.0);
         Self {
             by,
             shown,
             rotor: per_unit(&a.armature, &b.armature),
             has_bodies: a.robot != b.robot,
             has_servos,
-            is_asked: has_servos || acts,
+            pulls,
+            is_asked: pulls || lacks.acts() || has.acts(),
             torque: [(); 2].map(|()| vec![0.0; a.armature.len()]),
             own: lacks,
             other: has,
@@ -72,14 +75,19 @@ impl Moved {
         if !self.is_asked {
             return;
         }
-        self.own.hear_as(arm);
-        match self.has_servos {
-            true => hear(&mut self.other),
-            false => self.other.hear_as(arm),
-        }
         let [own, other] = &mut self.torque;
-        made.asked_of(&mut self.own, own);
-        made.asked_of(&mut self.other, other);
+        if self.pulls {
+            self.own.hear_as(arm);
+            match self.has_servos {
+                true => hear(&mut self.other),
+                false => self.other.hear_as(arm),
+            }
+            made.asked_of(&mut self.own, own);
+            made.asked_of(&mut self.other, other);
+        } else {
+            made.asked_of_effects(&mut self.own, own);
+            made.asked_of_effects(&mut self.other, other);
+        }
         let both = other.iter().zip(&*own).enumerate();
         both.for_each(|(j, (other, own))| put(j, (other - own) / self.by));
     }

@@ -49,10 +49,9 @@ impl Plain {
 
 impl Seen {
     fn new(twin: &Twin, recording: &Recording) -> Result<Self, TrialError> {
-        let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
         let dof = twin.robot.dof();
         let samples = condition(recording, &twin.drive, dof, &conditioning(recording, dof))?;
-        let track = Track::new(&samples, servo)?;
+        let track = Track::new(&samples, twin)?;
         let follows = |twin: &Twin| replay(twin, &track, &track.stretches(f64::INFINITY));
         let simulated = match open_fitted(twin, &track, &()).and_then(|fitted| follows(&fitted)) {
             // No friction takes that up.

@@ -136,9 +136,8 @@ impl Identify {
 fn told(recording: Prepared<'_>, twin: &Twin, how: &Conditioning) -> Result<Told, WorkflowError> {
     let recording = by::kept(By::Simulation, recording);
     let samples = conditioned(&recording, twin, how)?;
-    let servo = twin.drive.servo.as_ref().ok_or(ServoError::NoServo)?;
     let at = |error: ServoError| WorkflowError::from(error).at(&recording.provenance.source);
-    let track = Track::new(&samples, servo).map_err(at)?;
+    let track = Track::new(&samples, twin).map_err(at)?;
     Ok(Told { provenance: recording.provenance.clone(), track, time_offset: None })
 }
 

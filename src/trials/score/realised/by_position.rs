@@ -3,7 +3,6 @@
 use super::Left;
 use crate::diagnosis::conditioning;
 use crate::recording::Recording;
-use crate::robot::servo::Servo;
 use crate::servo::{PositionGap, ServoError, Track, open_fitted, replay};
 use crate::signals::condition;
 use crate::trials::TrialError;
@@ -14,10 +13,10 @@ use crate::twin::Twin;
 ///
 /// # Errors
 /// If the recording is not of this arm.
-pub fn left(third: &Recording, nominal: &Twin, servo: &Servo) -> Result<Left, TrialError> {
+pub fn left(third: &Recording, nominal: &Twin) -> Result<Left, TrialError> {
     let dof = nominal.robot.dof();
     let samples = condition(third, &nominal.drive, dof, &conditioning(third, dof))?;
-    let track = Track::new(&samples, servo)?;
+    let track = Track::new(&samples, nominal)?;
     let gap = move |twin: &Twin| -> Result<f64, ServoError> {
         let q = replay(&open_fitted(twin, &track, &())?, &track, &track.stretches(f64::INFINITY))?;
         Ok(PositionGap::new(&track, &q).rms_rad().powi(2))

@@ -26,8 +26,8 @@ pub fn realised(
     truth: &Truth,
     diagnosis: &Diagnosis,
 ) -> Result<(f64, Option<f64>), TrialError> {
-    let left = match &twin.drive.servo {
-        Some(servo) => by_position::left(third, twin, servo)?,
+    let left = match twin.drive.servo {
+        Some(_) => by_position::left(third, twin)?,
         None => by_torque::left(third, &truth.case)?,
     };
     let before = left(twin)?;

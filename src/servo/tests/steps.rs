@@ -1,0 +1,37 @@
+//! How finely an arm is simulated.
+
+use super::*;
+
+/// A desk arm's servos, recorded 50 times a second.
+fn slow() -> String {
+    SERVOS
+        .replace("rate_hz = 250", "rate_hz = 50")
+        .replace("inertia = [1.1, 1.1, 1.1, 0.14, 0.14, 0.14]", "inertia = 0.3")
+        .replace("gain = [9000, 9000, 6000, 900, 900, 900]", "gain = 300")
+        .replace("damping = [500, 500, 400, 40, 40, 40]", "damping = 20")
+        .replace("coulomb = [9, 10, 8, 3, 2, 2]", "coulomb = 1")
+}
+
+/// Time constants of stiff servos are 12 ms, those of slow ones 32 ms and more: more than ten steps of each, or of 2 ms.
+#[test]
+fn steps_are_a_tenth_of_what_the_stiffest_servo_takes() {
+    let (_, stiff) = by_rapier(SERVOS);
+    assert_eq!((stiff.dt, stiff.steps), (0.004, 2));
+    let (_, slow) = by_rapier(&slow());
+    assert_eq!((slow.dt, slow.steps), (0.02, 7));
+}
+
+/// Finer steps hardly lead an arm elsewhere, beside how far it lags its command.
+#[test]
+fn finer_steps_lead_to_the_same_place() {
+    let (twin, track) = by_rapier(&slow());
+    let whole = track.stretches(f64::INFINITY);
+    let fine = Track { steps: 10 * track.steps, ..track.clone() };
+    let [usual, fine] = [&track, &fine].map(|track| replay(&twin, track, &whole).unwrap());
+    let lags = PositionGap::new(&track, &track.told.command).rms_rad();
+    let apart = usual.map_joints(|j, q| q.iter().zip(fine.joint(j)).map(|(a, b)| a - b).collect());
+    let zero =
+        track.q.map_joints(|j, q| q.iter().zip(apart.joint(j)).map(|(q, d)| q + d).collect());
+    let off = PositionGap::new(&track, &zero).rms_rad();
+    assert!(off < 2e-3 * lags, "{off} of {lags}");
+}
