@@ -49,7 +49,7 @@ pub fn diagnose(
         .map(|(recorded, track)| linearised(&following.twin, recorded, track, horizon_s));
     let halved = Halved::new([fit_track.clone(), check_as_sent.track.clone()]);
     let folds = Folds::new(twin, &halved, watch)?;
-    let mut mended = unchanged(&refits.before, check_as_sent);
+    let mut mended = unchanged(&refits.before, check_as_sent.clone());
     let mut proof = |offers: &[Offer]| {
         let sieve = Sieve { folds: &folds, settings };
         let Sifted { stand, mended: near, left, before } = sieve.sift(offers)?;
@@ -58,7 +58,7 @@ pub fn diagnose(
             let near = folds.nearer(&near)?;
             // What is found follows better than whatever lets a servo follow.
             let following = Following::new(near, &fit_track, watch)?;
-            let check = following.as_sent([&fit_track, &noted], watch)?;
+            let check = following.as_sent([&fit_track, &noted], watch)?.or(&check_as_sent);
             mended = mend(&refits, check, near, changes)?;
         }
         let [before_rad, after_rad] = [&before, &left].map(Sizes::mean_rad);

@@ -25,10 +25,18 @@ pub struct Following {
 }
 
 /// A recording with its commands as they were sent, beside another.
+#[derive(Clone)]
 pub struct AsSent {
     pub track: Track,
     /// None where these two do not tell it.
     pub time_offset: Option<TimeOffset>,
+}
+
+impl AsSent {
+    /// This, or what was told before where it tells nothing.
+    pub fn or(self, before: &Self) -> Self {
+        if self.time_offset.is_some() { self } else { before.clone() }
+    }
 }
 
 impl Following {

@@ -38,3 +38,17 @@ fn joints_that_contradict_each_other_tell_little() {
     let error = found.standard_error_s;
     assert!(error > 5e-4 && found.late_s.abs() < 2.0 * error, "{found:?}");
 }
+
+/// A twin that cannot follow both recordings leaves what was told of them before.
+#[test]
+fn what_tells_nothing_leaves_what_was_told_before() {
+    let (_, track) = by_rapier(SERVOS);
+    let sent = |late_s: Option<f64>| {
+        let time_offset = late_s.map(|late_s| TimeOffset { late_s, standard_error_s: 1e-3 });
+        AsSent { track: track.later(late_s.unwrap_or(0.0)), time_offset }
+    };
+    let before = sent(Some(0.01));
+    let late = |told: AsSent| (told.or(&before).track.told.late, before.track.told.late);
+    assert_eq!(late(sent(None)), (0.01, 0.01));
+    assert_eq!(late(sent(Some(0.02))), (0.02, 0.01));
+}
