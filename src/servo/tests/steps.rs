@@ -2,19 +2,19 @@
 
 use super::*;
 
-/// A desk arm's servos, recorded 50 times a second.
+/// Servos with heavy rotors, recorded 50 times a second.
 fn slow() -> String {
     SERVOS
         .replace("rate_hz = 250", "rate_hz = 50")
-        .replace("inertia = [1.1, 1.1, 1.1, 0.14, 0.14, 0.14]", "inertia = 0.3")
+        .replace("inertia = [1.1, 1.1, 1.1, 0.14, 0.14, 0.14]", "inertia = 1.2")
         .replace("gain = [9000, 9000, 6000, 900, 900, 900]", "gain = 300")
         .replace("damping = [500, 500, 400, 40, 40, 40]", "damping = 20")
         .replace("coulomb = [9, 10, 8, 3, 2, 2]", "coulomb = 1")
 }
 
-/// Time constants of stiff servos are 12 ms, those of slow ones 32 ms and more: more than ten steps of each, or of 2 ms.
+/// Time constants of stiff servos are 12 ms, those of slow ones 63 ms and more: twenty steps of each, or steps of 2 ms.
 #[test]
-fn steps_are_a_tenth_of_what_the_stiffest_servo_takes() {
+fn steps_are_a_twentieth_of_what_the_stiffest_servo_takes() {
     let (_, stiff) = by_rapier(SERVOS);
     assert_eq!((stiff.dt, stiff.steps), (0.004, 2));
     let (_, slow) = by_rapier(&slow());
