@@ -148,12 +148,17 @@ def pairs(arm):
         joints.append([f'{fit}, {check}', *(f'{mrad(j["before_rad"])}, {mrad(j["after_rad"])}'
                                             for j in position['joints'])])
     rounding = [mrad(j['rounding_rad']) for j in position['joints']]
+    steps = [found['position'].get('step_s') for found in answers.values()]
+    told = ', '.join(f'{1e3 * step:g} ms' for step in sorted({step for step in steps if step}))
+    silent = steps.count(None)
+    older = f'{silent} answers are of an earlier state, whose steps may be others than the present ones. ' if silent else ''
     return '\n'.join([
         f'The same leading cause, or its equal, should be named in {100 * AGREE:.0f} % of the pairs: {met}, {name} in '
         f'{count} of {len(answers)}: in {known} of the first {len(looked_at)}, of the {len(LOOKED_AT)} whose answers were '
         f'looked at while the method was made, and in {unknown} of the other {len(fresh)}, whose were not. A payload that '
         f'leads or is a cause weighs {min(masses):.3f} to {max(masses):.3f} kg (median {statistics.median(masses):.3f}, '
-        f'{len(masses)} pairs). Values are fitted to both recordings. Seconds are of the clock, beside whatever else ran.', '',
+        f'{len(masses)} pairs). Values are fitted to both recordings. '
+        f'{f"Steps of the simulation: {told}. " if told else ""}{older}Seconds are of the clock, beside whatever else ran.', '',
         table(['searched', 'decided on', 'unseen, mean size before, mrad', 'after', 'rms before', 'after', 'causes', 's'], rows), '',
         'Joint by joint, root mean square before and after, mrad; what rounding to the encoder\'s 1.53 mrad alone leaves:',
         '', table(['', '1', '2', '3', '4', '5', '6'], joints + [['rounding', *rounding]])])

@@ -43,6 +43,9 @@ pub struct Position {
     /// Of the check recording beside the fit recording; none where one joint alone would tell it.
     #[serde(default)]
     pub time_offset: Option<TimeOffset>,
+    /// Step of the simulation along the check recording, s; none in answers that do not say it.
+    #[serde(default)]
+    pub step_s: Option<f64>,
     pub joints: Vec<JointPositionShrink>,
     /// What each cause takes off when it is added to all the others.
     pub causes: Vec<PositionShrink>,

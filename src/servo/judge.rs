@@ -151,6 +151,7 @@ fn put(
         cross_validated,
         birge_ratio,
         time_offset: mended.check.time_offset,
+        step_s: Some(mended.check.track.step_s()),
         joints,
         causes,
     });

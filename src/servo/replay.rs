@@ -55,8 +55,7 @@ pub(super) fn lead<L: Led>(
     stretch: &Range<usize>,
     mut see: impl FnMut(&L),
 ) -> Result<(), ServoError> {
-    let steps = track.steps as f64;
-    let h = track.dt / steps;
+    let (steps, h) = (track.steps as f64, track.step_s());
     let at = |series: &JointSeries, k: usize| -> Vec<f64> {
         (0..track.joints()).map(|j| series.joint(j)[k]).collect()
     };

@@ -85,6 +85,11 @@ impl Track {
         })
     }
 
+    /// Step of a simulation, s.
+    pub fn step_s(&self) -> f64 {
+        self.dt / self.steps as f64
+    }
+
     pub fn joints(&self) -> usize {
         self.q.joints()
     }

@@ -245,6 +245,7 @@ fn of_position_servos_a_cause_takes_position_off() {
         cross_validated,
         birge_ratio: 1.0,
         time_offset: None,
+        step_s: None,
         joints: vec![],
         causes: vec![own],
     });

@@ -27,6 +27,8 @@ pub struct Made {
     own: Vec<f64>,
     other: Vec<f64>,
     slopes: Vec<f64>,
+    /// Positions or velocities where the step begins, rad or rad/s.
+    before: Vec<f64>,
 }
 
 /// Derivatives of torque along a step by what it began with, N.m per rad, rad/s and N.m.
@@ -71,6 +73,7 @@ impl Made {
             own: zeros(),
             other: zeros(),
             slopes: zeros(),
+            before: zeros(),
         }
     }
 
@@ -120,16 +123,14 @@ impl Made {
     /// How what bodies take changes.
     pub fn differentiate_taken(&mut self, robot: &Robot, by: &mut ByState) {
         by.clear();
-        self.add_derivatives(by, &AHEAD, |made, torque| made.taken_by(robot, torque));
+        self.add_derivatives(by, (&AHEAD, false), |made, torque| made.taken_by(robot, torque));
     }
 
     /// Adds how what servos and effects ask changes; with what gears transmit where that matters.
     pub fn add_asked(&mut self, arm: &mut Arm, is_loaded: bool, by: &mut ByState) {
         let sides = if arm.has_contacts() { &BOTH[..] } else { &AHEAD };
-        match arm.feels_other_joints() {
-            true => self.add_derivatives(by, sides, |made, torque| made.asked_of(arm, torque)),
-            false => self.add_own_derivatives(arm, by),
-        }
+        let at_once = !arm.feels_other_joints();
+        self.add_derivatives(by, (sides, at_once), |made, torque| made.asked_of(arm, torque));
         if !is_loaded {
             return;
         }
@@ -143,50 +144,38 @@ impl Made {
         self.other = other;
     }
 
-    /// The same where no joint is asked for anything because of another: all are moved at once.
-    fn add_own_derivatives(&mut self, arm: &mut Arm, by: &mut ByState) {
-        let [mut own, mut other, mut before] =
-            [&mut self.own, &mut self.other, &mut self.slopes].map(std::mem::take);
-        self.asked_of(arm, &mut own);
-        for (part, by) in [((|s| &mut s.q) as Part, &mut by.q), (|s| &mut s.v, &mut by.v)] {
-            before.copy_from_slice(part(&mut self.begin));
-            part(&mut self.begin).iter_mut().for_each(|x| *x += MOVE);
-            self.asked_of(arm, &mut other);
-            part(&mut self.begin).copy_from_slice(&before);
-            for (j, (other, own)) in other.iter().zip(&own).enumerate() {
-                by[(j, j)] += (other - own) / MOVE;
-            }
-        }
-        (self.own, self.other, self.slopes) = (own, other, before);
-    }
-
-    /// Differences of a torque by positions and velocities; of several sides the smallest.
+    /// Differences of a torque by positions and velocities; of several sides the smallest. All joints are moved `at_once` where that
+    /// of none depends on another, else one after the other.
     fn add_derivatives(
         &mut self,
         by: &mut ByState,
-        sides: &[f64],
+        (sides, at_once): (&[f64], bool),
         mut torque: impl FnMut(&mut Self, &mut [f64]),
     ) {
-        let [mut own, mut other, mut slopes] =
-            [&mut self.own, &mut self.other, &mut self.slopes].map(std::mem::take);
+        let [mut own, mut other, mut slopes, mut before] =
+            [&mut self.own, &mut self.other, &mut self.slopes, &mut self.before]
+                .map(std::mem::take);
         torque(self, &mut own);
-        for k in 0..own.len() {
+        let width = if at_once { own.len() } else { 1 };
+        for first in (0..own.len()).step_by(width) {
             for (part, by) in [((|s| &mut s.q) as Part, &mut by.q), (|s| &mut s.v, &mut by.v)] {
-                let before = part(&mut self.begin)[k];
+                before.copy_from_slice(part(&mut self.begin));
                 slopes.fill(f64::INFINITY);
                 for side in sides {
-                    part(&mut self.begin)[k] += side;
+                    part(&mut self.begin)[first..first + width].iter_mut().for_each(|x| *x += side);
                     torque(self, &mut other);
-                    part(&mut self.begin)[k] = before;
+                    part(&mut self.begin).copy_from_slice(&before);
                     for (slope, (other, own)) in slopes.iter_mut().zip(other.iter().zip(&own)) {
                         let here = (other - own) / side;
                         *slope = if here.abs() < slope.abs() { here } else { *slope };
                     }
                 }
-                by.column_mut(k).iter_mut().zip(&slopes).for_each(|(by, slope)| *by += slope);
+                for (j, slope) in slopes.iter().enumerate() {
+                    by[(j, if at_once { j } else { first })] += slope;
+                }
             }
         }
-        (self.own, self.other, self.slopes) = (own, other, slopes);
+        (self.own, self.other, self.slopes, self.before) = (own, other, slopes, before);
     }
 }
 
@@ -217,7 +206,9 @@ mod tests {
         let (mut made, mut by) = (Made::new(&plant), ByState::new(6));
         // The one side alone has the jump.
         let mut one = ByState::new(6);
-        made.add_derivatives(&mut one, &AHEAD, |m, torque| m.asked_of(&mut plant.arm, torque));
+        made.add_derivatives(&mut one, (&AHEAD, false), |m, torque| {
+            m.asked_of(&mut plant.arm, torque)
+        });
         made.add_asked(&mut plant.arm, false, &mut by);
         assert!(one.q.amax() > 1e6 && by.q.amax() < 1e-6, "{} {}", one.q.amax(), by.q.amax());
     }

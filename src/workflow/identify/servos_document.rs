@@ -1,5 +1,7 @@
 //! `identify --json` of position servos.
 
+use std::iter::zip;
+
 use serde::Serialize;
 
 use super::IdentifiedServos;
@@ -43,6 +45,16 @@ struct Gaps<'a> {
     after: Vec<&'a PositionGap>,
     /// Against the first recording that is fitted.
     time_offset: Vec<Option<TimeOffset>>,
+    /// Step of the simulation, s.
+    step_s: Vec<f64>,
+}
+
+impl<'a> Gaps<'a> {
+    fn new(gaps: impl Iterator<Item = (&'a PositionGap, &'a PositionGap)>, told: &[Told]) -> Self {
+        let (before, after) = gaps.unzip();
+        let time_offset = told.iter().map(|t| t.time_offset).collect();
+        Self { before, after, time_offset, step_s: told.iter().map(|t| t.track.step_s()).collect() }
+    }
 }
 
 #[derive(Serialize)]
@@ -100,16 +112,11 @@ impl IdentifiedServos {
                 method: "simulation",
                 joints: (0..dof).map(|j| self.joint(j)).collect(),
                 arm: self.fitted.estimates.iter().filter(|e| e.joint.is_none()).collect(),
-                fit: Gaps {
-                    before: self.fitted.before.iter().collect(),
-                    after: self.fitted.after.iter().collect(),
-                    time_offset: self.fit.iter().map(|t| t.time_offset).collect(),
-                },
-                check: Gaps {
-                    before: self.checked.iter().map(|[before, _]| before).collect(),
-                    after: self.checked.iter().map(|[_, after]| after).collect(),
-                    time_offset: self.check.iter().map(|t| t.time_offset).collect(),
-                },
+                fit: Gaps::new(zip(&self.fitted.before, &self.fitted.after), &self.fit),
+                check: Gaps::new(
+                    self.checked.iter().map(|[before, after]| (before, after)),
+                    &self.check,
+                ),
             }],
         }
     }
