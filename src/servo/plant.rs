@@ -4,10 +4,11 @@
 //! (M(q_k) + h D/2) v_{k+1/2} + p = (M - h D/2) v_{k-1/2} + h (tau(q_k) - c - g - loads),  q_{k+1} = q_k + h v_{k+1/2}
 //! ```
 //!
-//! Velocities lie between positions (leapfrog), which is of second order in h where nothing sticks; D is all
-//! damping, the servos' own included, and p the impulses of dry friction ([`super::stick`]). The effects of
-//! the catalogue act as they do in rapier, which remains the reference. Where a transmission gives way, its wind-up
-//! is a coordinate beside the motor's angle ([`super::wound`]).
+//! Velocities lie between positions (leapfrog), which is of second order in h but for what sticks and what speeds ask other
+//! than damping (Coriolis, Stribeck), taken half a step early; the first step from a given state changes velocities by half as
+//! much. D is all damping, the servos' own included, and p the impulses of dry friction ([`super::stick`]). The effects of the
+//! catalogue act as they do in rapier, which remains the reference. Where a transmission gives way, its wind-up is a coordinate
+//! beside the motor's angle ([`super::wound`]).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -36,6 +37,10 @@ pub struct Plant {
     bias: Vec<f64>,
     still: Vec<f64>,
     yields: Vec<Yield>,
+    /// Do velocities lie where positions do, as where a state was given?
+    begins: bool,
+    /// Over how long the last step changed velocities, s.
+    pub(super) kick: f64,
     pub(super) step: Step,
 }
 
@@ -108,6 +113,8 @@ impl Plant {
             bias: zeros(),
             still: zeros(),
             yields: vec![Yield::default(); dof],
+            begins: true,
+            kick: 0.0,
         })
     }
 
@@ -124,6 +131,7 @@ impl Plant {
             self.state.q[j] = q[j] - zero;
         }
         self.state.v.copy_from_slice(v);
+        self.begins = true;
         self.impulses.fill(0.0);
         self.arm.forget();
         let robot = self.arm.robot();
@@ -188,9 +196,10 @@ impl Plant {
 
     /// One step of `h` s with what the servos have heard.
     fn go_on(&mut self, h: f64) {
+        self.kick = if std::mem::take(&mut self.begins) { 0.5 * h } else { h };
         self.arm.ask(&self.state, h, &mut self.asked);
-        self.pose(h);
-        self.find_speeds(h);
+        self.pose(self.kick);
+        self.find_speeds(self.kick);
         self.advance(h);
     }
 
@@ -251,7 +260,7 @@ impl Plant {
         gained.iter_mut().zip(&self.link_v).for_each(|(before, now)| *before = now - *before);
         stick::product(links, gained, &mut self.state.transmitted);
         for (carried, bias) in self.state.transmitted.iter_mut().zip(&self.bias) {
-            *carried = bias + *carried / h;
+            *carried = bias + *carried / self.kick;
         }
         self.state.time += h;
     }

@@ -90,7 +90,7 @@ impl Made {
         self.after.copy_from_slice(&plant.state.v);
         let both = self.after.iter().zip(&self.begin.v);
         let both = self.acceleration.iter_mut().zip(both);
-        both.for_each(|(a, (after, before))| *a = (after - before) / h);
+        both.for_each(|(a, (after, before))| *a = (after - before) / plant.kick);
     }
 
     /// What servos and effects of an arm ask along it, N.m.

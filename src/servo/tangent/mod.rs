@@ -127,7 +127,8 @@ impl Tangent {
 
     /// dv' and dq' of a step of `h` s.
     fn advance(&mut self, h: f64) {
-        self.pose(h);
+        let kick = self.plant.kick;
+        self.pose(kick);
         let Self { moved, dq, dv, by_values, solved, .. } = self;
         let Solved { inverse, to_q, to_v, dv: next, .. } = solved;
         let n = moved.len();
@@ -137,10 +138,10 @@ impl Tangent {
                 let at = k * n..(k + 1) * n;
                 stick::add(next, to_v[(j, k)], &dv[at.clone()]);
                 stick::add(next, to_q[(j, k)], &dq[at.clone()]);
-                stick::add(next, -h * inverse[(j, k)], &by_values[at]);
+                stick::add(next, -kick * inverse[(j, k)], &by_values[at]);
             }
         }
-        self.carry(h);
+        self.carry(kick);
         let Self { dq, dv, solved, .. } = self;
         stick::add(dq, h, &solved.dv);
         dv.copy_from_slice(&solved.dv);
