@@ -149,7 +149,7 @@ def pairs(arm):
                                             for j in position['joints'])])
     rounding = [mrad(j['rounding_rad']) for j in position['joints']]
     steps = [found['position'].get('step_s') for found in answers.values()]
-    told = ', '.join(f'{1e3 * step:g} ms' for step in sorted({step for step in steps if step}))
+    told = ' or '.join(sorted({f'{1e3 * step:.3g} ms' for step in steps if step}))
     silent = steps.count(None)
     older = f'{silent} answers are of an earlier state, whose steps may be others than the present ones. ' if silent else ''
     return '\n'.join([

@@ -24,8 +24,8 @@ from mujoco import sysid
 
 ROOT = Path(__file__).resolve().parents[2]
 ARMTWIN = os.environ.get('ARMTWIN', str(ROOT / 'target/release/armtwin'))
-# Steps as armtwin takes them here: ten from row to row, about a twentieth of sqrt(I/K).
-SECONDS, JOINTS, STRETCH_S, STEP_S = 60, 6, 5.0, 0.002
+# Steps as armtwin takes them here: five from row to row, about a tenth of sqrt(I/K).
+SECONDS, JOINTS, STRETCH_S, STEP_S = 60, 6, 5.0, 0.004
 # What is sought, N.m and N.m.s/rad, joint by joint; where both begin, and the bounds of both.
 TRUE = {'coulomb': [.08, .07, .06, .05, .04, .03], 'viscous': [.09, .08, .07, .06, .05, .04]}
 BEGIN, BOUNDS = {'coulomb': .02, 'viscous': .02}, {'coulomb': (0, 1.5), 'viscous': (0, 1.5)}
