@@ -24,8 +24,8 @@ from mujoco import sysid
 
 ROOT = Path(__file__).resolve().parents[2]
 ARMTWIN = os.environ.get('ARMTWIN', str(ROOT / 'target/release/armtwin'))
-# Steps as armtwin takes them here: five from row to row, about a tenth of sqrt(I/K).
-SECONDS, JOINTS, STRETCH_S, STEP_S = 60, 6, 5.0, 0.004
+# Steps as armtwin takes them here: six from row to row, a tenth of sqrt(I/K).
+SECONDS, JOINTS, STRETCH_S, STEP_S = 60, 6, 5.0, 0.02 / 6
 # What is sought, N.m and N.m.s/rad, joint by joint; where both begin, and the bounds of both.
 TRUE = {'coulomb': [.08, .07, .06, .05, .04, .03], 'viscous': [.09, .08, .07, .06, .05, .04]}
 BEGIN, BOUNDS = {'coulomb': .02, 'viscous': .02}, {'coulomb': (0, 1.5), 'viscous': (0, 1.5)}
@@ -145,7 +145,7 @@ def main():
         'Made by `python benches/peers/sysid.py --work WORK -o docs/sysid.md`.', '',
         f'A desk arm of six servos, {SECONDS} s of command and position at 50 Hz out of rapier, encoder of 4096 steps a turn. '
         f'Dry and viscous friction of every joint are fitted, twelve values, from {BEGIN["coulomb"]:g} N.m and '
-        f'{BEGIN["viscous"]:g} N.m.s/rad, over stretches of {STRETCH_S:g} s that begin in measured states, steps of {1e3 * STEP_S:g} ms. '
+        f'{BEGIN["viscous"]:g} N.m.s/rad, over stretches of {STRETCH_S:g} s that begin in measured states, steps of {1e3 * STEP_S:.3g} ms. '
         f'One run, one after the other, {os.cpu_count()} cores of which {busy:.1f} were busy with other work, mujoco {version("mujoco")}. armtwin also works out '
         'intervals and whether the recording tells each value. The package `mujoco-sysid` is another thing: columns of '
         'inertial parameters for recorded torque, no fit to positions.', '',
