@@ -4,8 +4,8 @@ use crate::robot::{Told, mass_matrix_series};
 use crate::twin::Twin;
 
 /// The longest step, in time constants sqrt(I/K) of a servo: a spring swings faster by (h w)^2 / 24 in leapfrog steps (Hairer, Lubich
-/// and Wanner, *Geometric Numerical Integration*, 2006, section VIII.1), here by 1 in 2400. Steps half as long move what is
-/// fitted to a real SO-101 by a fiftieth, which is a tenth of a standard error.
+/// and Wanner, *Geometric Numerical Integration*, 2006, section VIII.1), here by 1 in 2400. Steps half as long move the load
+/// and the gain that are fitted to a real SO-101 by a fiftieth, which is a tenth of their standard errors.
 const TIME_CONSTANTS: f64 = 0.1;
 /// No step is shorter, s: stiff servos of a large arm go within .2 mrad of where rapier goes with it.
 const SHORTEST_S: f64 = 0.002;
