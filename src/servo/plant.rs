@@ -39,7 +39,7 @@ pub struct Plant {
     yields: Vec<Yield>,
     /// Do velocities lie where positions do, as where a state was given?
     begins: bool,
-    /// Over how long the last step changed velocities, s.
+    /// For how long torque changed velocities in the last step, s.
     pub(super) kick: f64,
     pub(super) step: Step,
 }
@@ -198,14 +198,14 @@ impl Plant {
     fn go_on(&mut self, h: f64) {
         self.kick = if std::mem::take(&mut self.begins) { 0.5 * h } else { h };
         self.arm.ask(&self.state, h, &mut self.asked);
-        self.pose(self.kick);
-        self.find_speeds(self.kick);
+        self.pose();
+        self.find_speeds(h);
         self.advance(h);
     }
 
     /// The equation of the step.
-    fn pose(&mut self, h: f64) {
-        let dof = self.state.q.len();
+    fn pose(&mut self) {
+        let (dof, kick) = (self.state.q.len(), self.kick);
         let Step { links, a, b, limit, v, .. } = &mut self.step;
         let state = [&self.link_q[..], &self.link_v];
         equation_of_motion(self.arm.robot(), &mut self.workspace, state, links, &mut self.bias);
@@ -216,13 +216,13 @@ impl Plant {
         stick::product(a, v, b.as_mut_slice());
         for (i, asked) in self.asked.iter().enumerate() {
             let Asked { torque, damping, dry, slope } = *asked;
-            limit[i] = h * dry.max(0.0);
+            limit[i] = kick * dry.max(0.0);
             self.yields[i] = Yield { inertia: a[(i, i)], damping, slope, slides: true };
-            b[i] -= h * (self.bias[i] + torque) + 0.5 * h * damping * self.state.v[i];
-            a[(i, i)] += 0.5 * h * damping;
+            b[i] -= kick * (self.bias[i] + torque) + 0.5 * kick * damping * self.state.v[i];
+            a[(i, i)] += 0.5 * kick * damping;
         }
         for (i, wound) in self.wound.iter().enumerate() {
-            b[dof + i] += h * self.bias[wound.joint];
+            b[dof + i] += kick * self.bias[wound.joint];
         }
     }
 
@@ -233,7 +233,7 @@ impl Plant {
         for _ in 0..wound::TRIES {
             inverse.copy_from(a);
             coupled.copy_from(b);
-            wound::couple(&self.wound, h, inverse, coupled);
+            wound::couple(&self.wound, [self.kick, h], inverse, coupled);
             stick::invert(inverse);
             stick::solve(inverse, coupled, limit, &mut self.impulses, v);
             // All of them: each notes where its teeth touch.

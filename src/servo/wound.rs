@@ -57,9 +57,9 @@ impl Wound {
         self.side = self.law.side(self.angle);
     }
 
-    /// What the transmission adds over a step of `h` s to the equation of its wind-up: to the diagonal, and to the
-    /// right-hand side.
-    pub fn carries(&self, h: f64) -> [f64; 2] {
+    /// What the transmission adds to the equation of its wind-up over a step of `h` s that changes velocities for `kick` s: to the
+    /// diagonal, and to the right-hand side.
+    pub fn carries(&self, [kick, h]: [f64; 2]) -> [f64; 2] {
         let (stiffness, damping) = match self.side {
             0.0 => (0.0, 0.0),
             _ => (self.law.stiffness_at(self.angle), self.law.damping),
@@ -67,7 +67,7 @@ impl Wound {
         let beyond = self.angle - 0.5 * self.side * self.law.gap;
         let torque = stiffness * beyond + self.law.hysteresis * self.bent;
         let stiffness = stiffness + self.law.bending();
-        [h * (0.5 * h * stiffness + damping), -h * torque]
+        [kick * (0.5 * h * stiffness + damping), -kick * torque]
     }
 
     /// Where the teeth touch if the wind-up changes by `rate` (rad/s) over a step of `h` s; is that what was assumed?
@@ -106,12 +106,38 @@ pub fn with_wind_ups(links: &DMatrix<f64>, wound: &[Wound], m: &mut DMatrix<f64>
     }
 }
 
-/// Adds what the transmissions carry to the equations of a step.
-pub fn couple(wound: &[Wound], h: f64, m: &mut DMatrix<f64>, b: &mut DVector<f64>) {
+/// Adds what the transmissions carry to the equations of a step ([`Wound::carries`]).
+pub fn couple(wound: &[Wound], times: [f64; 2], m: &mut DMatrix<f64>, b: &mut DVector<f64>) {
     let first = m.nrows() - wound.len();
     for (i, wound) in (first..).zip(wound) {
-        let [diagonal, right] = wound.carries(h);
+        let [diagonal, right] = wound.carries(times);
         m[(i, i)] += diagonal;
         b[i] += right;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// However stiff the spring is: a link that is let go swings as far as it was wound up and no further, where the velocity of
+    /// the first step changes for half of it, too.
+    #[test]
+    fn a_stiff_spring_throws_no_link_further_than_it_was() {
+        let law = Transmission {
+            stiffness: 1e9,
+            hardening: 0.0,
+            damping: 0.0,
+            gap: 0.0,
+            hysteresis: 0.0,
+            hysteresis_width: 1e-3,
+        };
+        let wound = Wound { joint: 0, law, angle: 1e-3, rate: 0.0, bent: 0.0, side: 1.0 };
+        let (h, inertia) = (4e-3, 0.1);
+        for kick in [0.5 * h, h] {
+            let [diagonal, right] = wound.carries([kick, h]);
+            let after = wound.angle + h * right / (inertia + diagonal);
+            assert!(after.abs() < 1.0001 * wound.angle, "{kick}: {after}");
+        }
     }
 }
