@@ -3,6 +3,8 @@
 //! Sums run in 16 fixed lanes and nothing is contracted to fused multiply-add, so a result has
 //! the same bits whichever version runs.
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 
 const LANES: usize = 16;
@@ -47,6 +49,23 @@ pub fn dots(a: &[f64], b: &[&[f64]]) -> Vec<f64> {
     let (fours, rest) = b.as_chunks::<4>();
     let fours = fours.iter().flat_map(|four| dot4(a, four));
     fours.chain(rest.iter().map(|column| dot(a, column))).collect()
+}
+
+/// B'a of every a, from the rows where it is not zero; each column of B is read once for all of them.
+pub fn dots_of(a: &[Vec<f64>], b: &[&[f64]]) -> Vec<Vec<f64>> {
+    let there = |a: &Vec<f64>| {
+        let first = a.iter().position(|v| *v != 0.0)?;
+        Some(first..a.iter().rposition(|v| *v != 0.0)? + 1)
+    };
+    let rows: Vec<Range<usize>> = a.iter().map(|a| there(a).unwrap_or(0..0)).collect();
+    let mut products = vec![Vec::with_capacity(b.len()); a.len()];
+    for some in b.chunks(4) {
+        for ((a, rows), products) in a.iter().zip(&rows).zip(&mut products) {
+            let some: Vec<&[f64]> = some.iter().map(|b| &b[rows.clone()]).collect();
+            products.extend(dots(&a[rows.clone()], &some));
+        }
+    }
+    products
 }
 
 /// One column against four: `[a . b[0], .., a . b[3]]`, reading `a` once.

@@ -10,7 +10,7 @@ use super::progress::Progress;
 use super::stream::{Deliveries, Link, StreamArgs};
 use super::{out, save};
 use crate::recording::{self, WriteOptions};
-use crate::simulation::{Experiment, Run, Scenario, Simulation, Truth};
+use crate::simulation::{Experiment, Glimpse, Run, Scenario, Truth};
 use crate::workflow::move_along;
 
 /// Simulate an arm with hidden effects: two recordings and the truth about them
@@ -117,23 +117,19 @@ pub(super) fn simulate(
     link: Option<&Link>,
 ) -> anyhow::Result<([Run; 2], Deliveries)> {
     let watch = Progress::interruptible();
-    let mut simulation = Simulation::new(&made.setup)?;
-    let mut sent = Deliveries::default();
-    let mut follow = |which: usize| -> anyhow::Result<Run> {
+    let follow = |which: usize| {
         let (name, _, command) = made.motions()[which];
         let title = format!("{name}, seed {}", made.seed);
-        let begin = |link: &Link| link.follow(title, &made.setup.robot, command);
-        let mut shown = link.map(begin).transpose()?;
-        let run = move_along(&mut simulation, made, which, &watch, |now| {
-            shown.iter_mut().for_each(|shown| shown.see(now));
-        })?;
-        if let Some(shown) = shown {
-            sent.push(shown.end());
-        }
-        Ok(run)
+        link.map(|link| link.follow(title, &made.setup.robot, command)).transpose()
     };
-    let runs = [follow(0)?, follow(1)?];
+    let mut shown = [follow(0)?, follow(1)?];
+    let see = shown
+        .each_mut()
+        .map(|shown| |now: &Glimpse<'_>| shown.iter_mut().for_each(|shown| shown.see(now)));
+    let runs = move_along(made, &watch, see)?;
     watch.end();
+    let mut sent = Deliveries::default();
+    shown.into_iter().flatten().for_each(|shown| sent.push(shown.end()));
     Ok((runs, sent))
 }
 

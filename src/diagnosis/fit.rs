@@ -211,7 +211,7 @@ impl<'a> Fit<'a> {
 
     /// The columns of `raw` in the metric of this fit.
     pub fn columns(&self, candidate: Candidate, nonlinear: &[f64]) -> Vec<Column> {
-        self.raw(candidate, nonlinear).iter().map(|c| Column::new(c, &self.metric)).collect()
+        Column::all(&self.raw(candidate, nonlinear), &self.metric)
     }
 
     /// The motion of a recording as a candidate sees it on the arm with its causes.

@@ -46,7 +46,7 @@ impl Within {
         let (data, bodies) = (fit.data, &fit.data.twin.robot.bodies);
         let mut raw = data.fresh(|p| of_links(data.parts[p]).to_vec());
         raw.extend(data.fresh(|p| of_scales(&fit.carried(p))));
-        let columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &fit.metric)).collect();
+        let columns = Column::all(&raw, &fit.metric);
         let links = bodies.iter().flat_map(|b| mass_errors(b, settings));
         let known: Vec<f64> = links.chain(bodies.iter().map(|_| settings.mass_error)).collect();
         let last = PER_LINK * bodies.len();

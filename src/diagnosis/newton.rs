@@ -39,7 +39,7 @@ fn step(fit: &Fit<'_>, best: &Trial, free: &[usize]) -> Option<Trial> {
     let ends: Vec<[f64; 2]> = free.iter().map(|&i| neighbours(best, i, fit.data.twin)).collect();
     let raw = fit.raw(best.candidate, &best.nonlinear);
     let mut expected = expected(fit.data, best.candidate, &best.nonlinear, &raw);
-    let mut columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &fit.metric)).collect();
+    let mut columns = Column::all(&raw, &fit.metric);
     columns.extend(free.iter().zip(&ends).map(|(&i, ends)| slope(fit, best, i, *ends)));
     expected.resize(columns.len(), f64::INFINITY);
     let projected = fit.system.project(&columns, &expected);

@@ -82,12 +82,15 @@ fn best_start(fit: &Fit<'_>, frames: &[Frame], candidate: Candidate) -> Screened
         c if c.effect.lasts_a_while() => windows::promising(fit, candidate, &starts),
         _ => starts.iter().collect(),
     };
-    for nonlinear in tried {
-        let raw = match candidate.senses() {
-            true => Arc::new(vec![slopes::of_sensor(fit, candidate, nonlinear)]),
-            false => fit.raw_kept(candidate, nonlinear),
-        };
-        try_at(fit, frames, (nonlinear, &raw), &mut best);
+    let columns = |nonlinear: &&Vec<f64>| match candidate.senses() {
+        true => Arc::new(vec![slopes::of_sensor(fit, candidate, nonlinear)]),
+        false => fit.raw_kept(candidate, nonlinear),
+    };
+    let columns: Vec<Arc<Vec<Raw>>> = tried.iter().map(columns).collect();
+    let all: Vec<&Raw> = columns.iter().flat_map(|raw| raw.iter()).collect();
+    Raw::meet(&all, |j| frames.iter().any(|f| !f.metric.joints[j].is_plain()));
+    for (nonlinear, raw) in tried.into_iter().zip(&columns) {
+        try_at(fit, frames, (nonlinear, raw), &mut best);
     }
     follow(fit, frames, &mut best);
     best.gain -= best.trial.term().ln_starts();
@@ -157,7 +160,7 @@ struct Added {
 
 impl Frame {
     fn add(&self, fit: &Fit<'_>, candidate: Candidate, raw: &[Raw], priors: &[f64]) -> Added {
-        let columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &self.metric)).collect();
+        let columns = Column::all(raw, &self.metric);
         let touched = |j: &usize| columns.iter().any(|c| c.touches(*j));
         let touched: Vec<usize> = (0..self.squares.len()).filter(touched).collect();
         let projected = self.system.project(&columns, priors);

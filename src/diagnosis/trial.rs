@@ -78,7 +78,7 @@ pub fn evaluate(fit: &Fit<'_>, trial: &Trial, nonlinear: Vec<f64>) -> Trial {
 
 fn with_columns(fit: &Fit<'_>, at: Trial) -> Trial {
     let raw = fit.raw(at.candidate, &at.nonlinear);
-    let columns: Vec<Column> = raw.iter().map(|c| Column::new(c, &fit.metric)).collect();
+    let columns = Column::all(&raw, &fit.metric);
     let priors = expected(fit.data, at.candidate, &at.nonlinear, &raw);
     let projected = fit.system.project(&columns, &priors);
     let (linear, gain) = projected.solve(&linear_bounds(at.candidate, fit.data.twin));

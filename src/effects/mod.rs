@@ -40,6 +40,7 @@ mod servo_gain;
 mod servo_max_torque;
 mod servo_offset;
 mod size;
+mod spring_steps;
 mod starts;
 mod state;
 mod stribeck;

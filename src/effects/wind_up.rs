@@ -14,6 +14,7 @@ use std::borrow::Cow;
 
 use nalgebra::DMatrix;
 
+use super::spring_steps::Steps;
 use super::{Motion, Rigid, Slopes, Transmission};
 use crate::series::JointSeries;
 
@@ -82,7 +83,7 @@ fn wind_up<'a>(motion: &Motion<'a>, laws: &[Option<Transmission>]) -> Vec<Giving
     let mut joints: Vec<_> = laws.map(|(j, law)| Giving::new(motion, j, law, &load)).collect();
     let parts = (motion.dt / STEP_S).ceil().max(1.0);
     if let [one] = &mut joints[..] {
-        one.follow(load.joint(one.joint), motion.dt, parts);
+        one.follow(load.joint(one.joint), motion.dt, parts as u32);
         return joints;
     }
     let h = motion.dt / parts;
@@ -161,46 +162,63 @@ impl<'a> Giving<'a> {
         }
     }
 
-    /// The way of a joint that alone gives way, as below but without anything between joints.
-    fn follow(&mut self, load: &[f64], dt: f64, parts: f64) {
-        let Transmission { stiffness, damping, .. } = self.law;
-        match self.law.is_linear() {
-            // Every step waits for the one before: nothing is asked that a spring does not need.
-            true => {
-                self.follow_by(load, dt, parts, |g, _, _| stiffness * g.w + damping * g.rate);
-            }
-            false => self.follow_by(load, dt, parts, Self::carried),
+    /// The way of a joint that alone gives way, as above but without anything between joints.
+    fn follow(&mut self, load: &[f64], dt: f64, parts: u32) {
+        for k in 0..load.len() {
+            let sums = match self.law.is_linear() {
+                true => self.swing(load, k, dt, parts),
+                false => self.step(load, k, dt, parts),
+            };
+            let parts = f64::from(parts);
+            self.means.iter_mut().zip(sums).for_each(|(mean, sum)| mean.push(sum / parts));
         }
     }
 
-    /// The same, where the transmission carries `carried` (N.m) of its state, the damping of blows (N.m.s/rad) and the rate
-    /// of a steady wind-up (rad/s).
-    fn follow_by(
-        &mut self,
-        load: &[f64],
-        dt: f64,
-        parts: f64,
-        carried: impl Fn(&Self, f64, f64) -> f64,
-    ) {
-        let h = dt / parts;
-        let own = self.joint;
-        for k in 0..load.len() {
-            let slopes = &self.slopes.0;
-            let mobility = 1.0 / slopes[2].joint(own)[k].max(self.lightest(k, h));
-            let (over_q, over_qd) = (slopes[0].joint(own)[k], slopes[1].joint(own)[k]);
-            let damping = (self.ringing(k) - self.law.damping).max(0.0);
-            let steady = between(load, k, 0.0, dt).1 / self.law.stiffness;
-            let [before, after] = [-1.0, 1.0].map(|side| between(load, k, side, dt).0 - load[k]);
-            let mut sums = [0.0; 3];
-            for part in 0..parts as usize {
-                let along = (part as f64 + 0.5) / parts - 0.5;
-                let tau = load[k] + along.abs() * if along < 0.0 { before } else { after };
-                let turned = over_q * self.w + over_qd * self.rate;
-                let torque = tau - carried(self, damping, steady) - turned;
-                self.advance(torque * mobility, h, &mut sums);
-            }
-            self.means.iter_mut().zip(sums).for_each(|(mean, sum)| mean.push(sum / parts));
+    /// Sums of w, w' and w'' over the steps about sample `k`, on a linear spring: those under a load on its way from the
+    /// sample before, then those on its way to the next.
+    fn swing(&mut self, load: &[f64], k: usize, dt: f64, parts: u32) -> [f64; 3] {
+        let h = dt / f64::from(parts);
+        let [over_q, over_qd, mobility] = self.feels(k, h);
+        let Transmission { stiffness, damping, .. } = self.law;
+        let one = Steps::one(stiffness + over_q, damping + over_qd, mobility, h);
+        let [before, after] = [-1.0, 1.0].map(|side| between(load, k, side, dt).0 - load[k]);
+        let (half, start) = (parts / 2, [self.w, self.rate]);
+        let coming = one.times(half);
+        let going = if parts == 2 * half { coming } else { coming.then(&one) };
+        let mut sum = 0.0;
+        for (steps, first, towards) in [(coming, 0, -before), (going, half, after)] {
+            let along = (f64::from(first) + 0.5) / f64::from(parts) - 0.5;
+            let (tau, rise) = (load[k] + along * towards, towards / f64::from(parts));
+            let state = steps.from([self.w, self.rate], tau, rise);
+            ([self.w, self.rate], sum) = (state.0, sum + state.1);
         }
+        [sum, (self.w - start[0]) / h, (self.rate - start[1]) / h]
+    }
+
+    /// The same one after the other, whatever the transmission carries.
+    fn step(&mut self, load: &[f64], k: usize, dt: f64, parts: u32) -> [f64; 3] {
+        let (parts, h) = (f64::from(parts), dt / f64::from(parts));
+        let [over_q, over_qd, mobility] = self.feels(k, h);
+        let damping = (self.ringing(k) - self.law.damping).max(0.0);
+        let steady = between(load, k, 0.0, dt).1 / self.law.stiffness;
+        let [before, after] = [-1.0, 1.0].map(|side| between(load, k, side, dt).0 - load[k]);
+        let mut sums = [0.0; 3];
+        for part in 0..parts as usize {
+            let along = (part as f64 + 0.5) / parts - 0.5;
+            let tau = load[k] + along.abs() * if along < 0.0 { before } else { after };
+            let turned = over_q * self.w + over_qd * self.rate;
+            let torque = tau - self.carried(damping, steady) - turned;
+            self.advance(torque * mobility, h, &mut sums);
+        }
+        sums
+    }
+
+    /// Slopes of the own load over angle (N.m/rad) and rate (N.m.s/rad) about sample `k`, and 1 / M of a link that steps of
+    /// `h` s can follow.
+    fn feels(&self, k: usize, h: f64) -> [f64; 3] {
+        let [over_q, over_qd, inertia] = &self.slopes.0;
+        let of = |slope: &JointSeries| slope.joint(self.joint)[k];
+        [of(over_q), of(over_qd), 1.0 / of(inertia).max(self.lightest(k, h))]
     }
 
     /// A link that the step can follow is no lighter, kg.m2.

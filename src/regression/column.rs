@@ -60,9 +60,24 @@ impl Raw {
     /// D'x at a joint; empty where the column has no rows there.
     pub fn products(&self, j: usize) -> &[f64] {
         self.products[j].get_or_init(|| match self.rows.touches(j) {
-            true => self.features[j].products(self.rows.joint(j)),
+            true => self.features[j].products(&[self.rows.joint(j)]).swap_remove(0),
             false => Vec::new(),
         })
+    }
+
+    /// Works out D'x of several columns together, at the joints that are `asked` for.
+    pub fn meet(columns: &[&Self], asked: impl Fn(usize) -> bool) {
+        let joints = columns.first().map_or(0, |c| c.features.len());
+        for j in (0..joints).filter(|j| asked(*j)) {
+            let is_open = |c: &&Self| c.rows.touches(j) && c.products[j].get().is_none();
+            let open: Vec<&Self> = columns.iter().copied().filter(is_open).collect();
+            let Some(first) = open.first() else { continue };
+            let rows: Vec<&[f64]> = open.iter().map(|c| c.rows.joint(j)).collect();
+            for (column, products) in open.iter().zip(first.features[j].products(&rows)) {
+                // Another thread may have been faster, with the same.
+                let _ = column.products[j].set(products);
+            }
+        }
     }
 
     /// What the random effects of a joint's metric take up of it.
@@ -113,6 +128,13 @@ impl Column {
         let of = |(j, metric): (usize, &Arc<JointMetric>)| raw.taken(j, metric);
         let taken = metric.joints.iter().enumerate().map(of).collect();
         Self { rows: raw.rows.clone(), taken, raw: Some(raw.clone()) }
+    }
+
+    /// Several in one metric.
+    pub fn all(raw: &[Raw], metric: &Metric) -> Vec<Self> {
+        let columns: Vec<&Raw> = raw.iter().collect();
+        Raw::meet(&columns, |j| !metric.joints[j].is_plain());
+        raw.iter().map(|raw| Self::new(raw, metric)).collect()
     }
 
     /// Nothing at any of the joints.

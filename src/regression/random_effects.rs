@@ -162,19 +162,16 @@ impl Features {
         }
     }
 
-    /// D'x, from the runs where x is not zero.
-    pub fn products(&self, x: &[f64]) -> Vec<f64> {
-        let of_run = |run: &[usize]| x[run[0]..run[1]].iter().sum::<f64>();
-        let x: Vec<f64> = match self.columns.is_empty() {
-            true => Vec::new(),
-            false => self.runs.windows(2).map(of_run).collect(),
+    /// D'x of every column x.
+    pub fn products(&self, columns: &[&[f64]]) -> Vec<Vec<f64>> {
+        let of_run = |x: &[f64], run: &[usize]| x[run[0]..run[1]].iter().sum::<f64>();
+        let coarse = |x: &&[f64]| self.runs.windows(2).map(|run| of_run(x, run)).collect();
+        let coarse: Vec<Vec<f64>> = match self.columns.is_empty() {
+            true => vec![Vec::new(); columns.len()],
+            false => columns.iter().map(coarse).collect(),
         };
-        let Some(first) = x.iter().position(|v| *v != 0.0) else {
-            return vec![0.0; self.columns.len()];
-        };
-        let last = x.iter().rposition(|v| *v != 0.0).unwrap_or(first);
-        let views: Vec<&[f64]> = self.columns.iter().map(|c| &c[first..=last]).collect();
-        kernels::dots(&x[first..=last], &views)
+        let views: Vec<&[f64]> = self.columns.iter().map(Vec::as_slice).collect();
+        kernels::dots_of(&coarse, &views)
     }
 
     /// D w over the rows, of one group or of all.
@@ -353,7 +350,8 @@ mod tests {
     fn profile<'a>(features: &'a Features, columns: &[&Vec<f64>]) -> Profile<'a> {
         let n = columns.len();
         let gram = DMatrix::from_fn(n, n, |i, k| kernels::dot(columns[i], columns[k]));
-        let products = columns.iter().map(|c| features.products(c)).collect();
+        let columns: Vec<&[f64]> = columns.iter().map(|c| c.as_slice()).collect();
+        let products = features.products(&columns);
         Profile::new(features, gram, products, ROWS as f64, 1e-12)
     }
 

@@ -133,7 +133,7 @@ impl System {
     /// `priors` are standard deviations, one per column; columns after those that have one are left out.
     pub fn solve(normal: &Normal, metric: &Metric, weights: Vec<f64>, priors: Vec<f64>) -> Self {
         let fitted = &normal.columns[..priors.len()];
-        let columns: Vec<Column> = fitted.iter().map(|c| Column::new(c, metric)).collect();
+        let columns = Column::all(fitted, metric);
         let information = normal.information(&columns, &weights, &priors);
         let n = columns.len();
         let scale = information.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use super::WorkflowError;
 use crate::effects::{self, Effect, Role};
 use crate::follow::Watch;
-use crate::motion::{self, Trajectory};
+use crate::motion;
 use crate::resimulation;
 use crate::simulation::{
     Experiment, Glimpse, Moved, Run, Scenario, ScenarioError, Simulation, SimulationError, Truth,
@@ -163,34 +164,38 @@ fn moved_along(
     experiment: Experiment,
     watch: &dyn Watch,
 ) -> Result<Simulated, WorkflowError> {
-    let mut simulation = Simulation::new(&experiment.setup)?;
-    let mut run = |which| move_along(&mut simulation, &experiment, which, watch, |_| {});
-    let (fit, check) = (run(0)?, run(1)?);
+    let nobody = [|_: &Glimpse<'_>| {}; 2];
+    let [fit, check] = move_along(&experiment, watch, nobody)?;
     Ok(Simulated { scenario, experiment, fit, check })
 }
 
-/// The recording of one of the [`motions`](Experiment::motions) of `experiment`, by index; `see` is shown the
-/// arm while it moves.
+/// The recordings of both [`motions`](Experiment::motions) of `experiment`, made side by side; each of `see`
+/// is shown the arm of one while it moves.
 ///
 /// # Errors
-/// If the arm runs away or `watch` ends it.
-pub fn move_along(
-    simulation: &mut Simulation,
+/// If an arm runs away or `watch` ends it.
+pub fn move_along<S: FnMut(&Glimpse<'_>) + Send>(
     experiment: &Experiment,
-    which: usize,
     watch: &dyn Watch,
-    mut see: impl FnMut(&Glimpse<'_>),
-) -> Result<Run, SimulationError> {
+    see: [S; 2],
+) -> Result<[Run; 2], SimulationError> {
     let ms = |seconds: f64| (1000.0 * seconds) as u64;
     let motions = experiment.motions();
-    let seconds = |motions: &[(_, _, &Trajectory)]| motions.iter().map(|m| m.2.duration()).sum();
-    let (before, of) = (ms(seconds(&motions[..which])), ms(seconds(&motions)));
-    let (_, number, motion) = motions[which];
-    simulation.run(motion, experiment.seed, number, &mut |now| {
-        watch.tell("simulating", before + ms(now.time_s), of);
-        see(now);
-        !watch.stops()
-    })
+    let of = ms(motions.iter().map(|m| m.2.duration()).sum());
+    let done = [AtomicU64::new(0), AtomicU64::new(0)];
+    let run = |which: usize, mut see: S| {
+        let (_, number, motion) = motions[which];
+        let mut simulation = Simulation::new(&experiment.setup)?;
+        simulation.run(motion, experiment.seed, number, &mut |now| {
+            done[which].store(ms(now.time_s), Relaxed);
+            watch.tell("simulating", done.iter().map(|d| d.load(Relaxed)).sum(), of);
+            see(now);
+            !watch.stops()
+        })
+    };
+    let [of_fit, of_check] = see;
+    let (fit, check) = rayon::join(|| run(0, of_fit), || run(1, of_check));
+    Ok([fit?, check?])
 }
 
 impl Simulated {

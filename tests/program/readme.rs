@@ -13,15 +13,19 @@ fn commands(markdown: &str) -> Vec<String> {
     lines.map(|l| l.split(" #").next().unwrap().trim().to_string()).collect()
 }
 
-/// Runs the commands of a page in a folder of its own, in their order.
-fn run(page: &str, least: usize) -> TempDir {
+/// Those of a page.
+fn of(page: &str) -> Vec<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    commands(&fs::read_to_string(root.join(page)).unwrap())
+}
+
+/// Runs commands in a folder of its own, in their order.
+fn run(commands: &[String]) -> TempDir {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = TempDir::new().unwrap();
     #[cfg(unix)]
     std::os::unix::fs::symlink(root.join("scenarios"), folder.path().join("scenarios")).unwrap();
-    let all = commands(&fs::read_to_string(root.join(page)).unwrap());
-    assert!(all.len() >= least, "{all:?}");
-    for command in all {
+    for command in commands {
         if command.starts_with("armtwin compare") && cfg!(not(feature = "viewer")) {
             continue;
         }
@@ -36,15 +40,6 @@ fn run(page: &str, least: usize) -> TempDir {
 }
 
 #[test]
-fn readme_commands_do_what_they_say() {
-    let folder = run("README.md", 5);
-    for file in ["friction/truth.json", "twin.toml", "diagnosis/report.html", "diagnosis/twin.toml"]
-    {
-        assert!(folder.path().join(file).is_file(), "{file} is missing");
-    }
-}
-
-#[test]
 fn the_readme_counts_all_effects() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let readme = fs::read_to_string(root.join("README.md")).unwrap();
@@ -52,12 +47,23 @@ fn the_readme_counts_all_effects() {
     assert!(readme.contains(&known), "{known}");
 }
 
+/// The README begins as the page does, so that its commands are run with those of the page.
 #[test]
 fn every_command_has_an_example_that_runs() {
-    let folder = run("docs/commands.md", 15);
-    for file in
-        ["friction/truth.json", "twin.toml", "fit.csv.gz", "ur5.urdf", "links.urdf", "arm.xml"]
-    {
+    let [readme, all] = ["README.md", "docs/commands.md"].map(of);
+    assert!(readme.len() >= 5 && all.len() >= 15, "{readme:?}, {all:?}");
+    assert!(readme == all[..readme.len()], "{readme:?}, {all:?}");
+    let folder = run(&all);
+    for file in [
+        "friction/truth.json",
+        "twin.toml",
+        "diagnosis/report.html",
+        "diagnosis/twin.toml",
+        "fit.csv.gz",
+        "ur5.urdf",
+        "links.urdf",
+        "arm.xml",
+    ] {
         assert!(folder.path().join(file).is_file(), "{file} is missing");
     }
 }

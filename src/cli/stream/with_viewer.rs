@@ -47,7 +47,7 @@ impl Link {
         &self,
         title: String,
         robot: &Robot,
-        command: &'c dyn Command,
+        command: &'c (dyn Command + Sync),
     ) -> anyhow::Result<Following<'c>> {
         let planned = coarse(command, robot.dof());
         let moving = Moving::begin(&self.address, title, robot.clone(), planned)?;
@@ -98,7 +98,7 @@ fn coarse(command: &dyn Command, dof: usize) -> JointSeries {
 /// A simulated arm that is shown while it moves.
 pub struct Following<'c> {
     moving: Moving,
-    command: &'c dyn Command,
+    command: &'c (dyn Command + Sync),
     target: Target,
 }
 
