@@ -87,7 +87,7 @@ fn refined<'a>(
 ) -> Fit<'a> {
     for (cause, slopes) in slopes.iter().filter(|(c, _)| c.extent().meets(extent)) {
         let Some(i) = fit.model.causes.iter().position(|t| t.candidate == *cause) else { continue };
-        let columns = Column::all(&slopes, &fit.metric);
+        let columns = Column::all(slopes, &fit.metric);
         let unknown = vec![f64::INFINITY; columns.len()];
         let step = fit.system.project(&columns, &unknown);
         let (_, gain) = step.solve(&Bounds::unbounded(columns.len()));

@@ -89,30 +89,38 @@ fn told_unloaded(folder: &Path) -> &'static (PathBuf, Value) {
 }
 
 /// The twin is mended on the unloaded arm, then held against the loaded one. What the loaded arm
-/// carries is known, and comes first both ways, as far as the scale of the torque is known (1 to 6 %
+/// carries is known, and comes first, as far as the scale of the torque is known (1 to 6 %
 /// off at joints 2 to 4, see the twin).
 #[test]
 fn a_known_load_is_weighed() {
+    load_is_weighed(["02_19_14harm50secLoad", "01_31-load"]);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn a_known_load_is_weighed_the_other_way_round() {
+    load_is_weighed(["01_31-load", "02_19_14harm50secLoad"]);
+}
+
+fn load_is_weighed(laden: [&str; 2]) {
     let Some(folder) = recordings(UR10E) else { return };
     let out = TempDir::new().unwrap();
-    let laden = ["02_19_14harm50secLoad", "01_31-load"].map(|name| ur10e(&folder, name));
     let (mended, free) = told_unloaded(&folder);
     assert!(names(free, "load_friction", 2) && names(free, "load_friction", 3));
     let mended = mended.join("twin.toml");
     // The masses have just been fitted.
     let known = [MAP[0], MAP[1], "--mass-error", "0"];
-    for (fit, check) in [(&laden[0], &laden[1]), (&laden[1], &laden[0])] {
-        let loaded = diagnose(fit, check, &mended, &known, &out.path().join("laden"));
-        let first = &loaded["causes"][0];
-        assert_eq!(first["effect"], "payload", "{:?}", causes(&loaded));
-        let mass = first["parameters"].as_array().unwrap();
-        let mass = mass.iter().find(|p| p["name"] == "payload_mass").unwrap();
-        let [kg, low, high] = ["value", "low", "high"].map(|key| mass[key].as_f64().unwrap());
-        assert!((kg / LOAD_KG - 1.0).abs() < 0.03, "{kg} kg");
-        assert!(low < LOAD_KG && LOAD_KG < high, "{low} to {high} kg");
-        assert_eq!(first["found_without_check"], true);
-        assert!(shrink(&loaded, "fraction") > 0.97);
-    }
+    let [fit, check] = laden.map(|name| ur10e(&folder, name));
+    let loaded = diagnose(&fit, &check, &mended, &known, &out.path().join("laden"));
+    let first = &loaded["causes"][0];
+    assert_eq!(first["effect"], "payload", "{:?}", causes(&loaded));
+    let mass = first["parameters"].as_array().unwrap();
+    let mass = mass.iter().find(|p| p["name"] == "payload_mass").unwrap();
+    let [kg, low, high] = ["value", "low", "high"].map(|key| mass[key].as_f64().unwrap());
+    assert!((kg / LOAD_KG - 1.0).abs() < 0.03, "{kg} kg");
+    assert!(low < LOAD_KG && LOAD_KG < high, "{low} to {high} kg");
+    assert_eq!(first["found_without_check"], true);
+    assert!(shrink(&loaded, "fraction") > 0.97);
 }
 
 /// The paper's twin of the UR5 has no rotor inertia, and nothing at its flange. Its torque is too large
