@@ -17,7 +17,7 @@ const STEP_S: f64 = 0.001;
 const ELASTIC_STEP_S: f64 = 1e-4;
 /// Effects with memory are led along the recorded motion for as long before a window, s.
 const LEAD_IN_S: f64 = 0.2;
-/// Windows that one arm goes through: to set it up costs a hundredth of them.
+/// Windows that one arm goes through, one after the other: of a minute there are some for each of many cores.
 const AT_ONCE: usize = 16;
 
 /// Root mean square over joints and windows of simulated less recorded position at the end of each
