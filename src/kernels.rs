@@ -44,11 +44,9 @@ pub fn solve_lower(lower: &[f64], v: &mut [f64]) {
     }
 }
 
-/// B'a for several columns, four at a time to read `a` less often.
+/// B'a for several columns.
 pub fn dots(a: &[f64], b: &[&[f64]]) -> Vec<f64> {
-    let (fours, rest) = b.as_chunks::<4>();
-    let fours = fours.iter().flat_map(|four| dot4(a, four));
-    fours.chain(rest.iter().map(|column| dot(a, column))).collect()
+    b.iter().map(|column| dot(a, column)).collect()
 }
 
 /// B'a of every a, from the rows where it is not zero; each column of B is read once for all of them.
@@ -59,34 +57,12 @@ pub fn dots_of(a: &[Vec<f64>], b: &[&[f64]]) -> Vec<Vec<f64>> {
     };
     let rows: Vec<Range<usize>> = a.iter().map(|a| there(a).unwrap_or(0..0)).collect();
     let mut products = vec![Vec::with_capacity(b.len()); a.len()];
-    for some in b.chunks(4) {
+    for b in b {
         for ((a, rows), products) in a.iter().zip(&rows).zip(&mut products) {
-            let some: Vec<&[f64]> = some.iter().map(|b| &b[rows.clone()]).collect();
-            products.extend(dots(&a[rows.clone()], &some));
+            products.push(dot(&a[rows.clone()], &b[rows.clone()]));
         }
     }
     products
-}
-
-/// One column against four: `[a . b[0], .., a . b[3]]`, reading `a` once.
-#[multiversion(targets("x86_64+avx512f+avx512dq", "x86_64+avx2", "aarch64+neon"))]
-fn dot4(a: &[f64], b: &[&[f64]; 4]) -> [f64; 4] {
-    let mut lanes = [[0.0; LANES]; 4];
-    let (head, tail) = a.as_chunks::<LANES>();
-    let heads = b.map(|c| c.as_chunks::<LANES>().0);
-    let n = heads.iter().fold(head.len(), |n, h| n.min(h.len()));
-    for i in 0..n {
-        for (lane, h) in lanes.iter_mut().zip(&heads) {
-            for l in 0..LANES {
-                lane[l] += head[i][l] * h[i][l];
-            }
-        }
-    }
-    let start = a.len() - tail.len();
-    std::array::from_fn(|k| {
-        let rest: f64 = tail.iter().zip(&b[k][start..]).map(|(x, y)| x * y).sum();
-        lanes[k].iter().sum::<f64>() + rest
-    })
 }
 
 /// Samples whose intermediate results stay in the cache.

@@ -30,10 +30,7 @@ pub fn interval(
     let second = (SHORTEST_BLOCK_S / (dt * per_bin as f64)).ceil() as usize;
     let block = block_length(rho, n).max(second).clamp(1, (n / 3).max(1));
     // As many lie beyond each end as of one alone.
-    block_bootstrap(n, block, REPLICATIONS * many, level, seed, |bins| {
-        let sum = |x: &[f64]| bins.iter().map(|&k| x[k]).sum::<f64>();
-        of(sum(&a), sum(&b))
-    })
+    block_bootstrap([&a, &b], block, REPLICATIONS * many, level, seed, |[a, b]| of(a, b))
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 //! Columns over the rows of all joints, and as a model with random effects sees them.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
+
+use rustc_hash::FxHashMap;
 
 use super::Blocks;
 use super::random_effects::{Features, JointMetric, Metric};
@@ -18,7 +20,7 @@ pub struct Raw {
     taken: Arc<Mutex<VecDeque<Taken>>>,
     /// The larger, the younger.
     age: u64,
-    dots: Arc<Mutex<HashMap<u64, Arc<[f64]>>>>,
+    dots: Arc<Mutex<FxHashMap<u64, Arc<[f64]>>>>,
 }
 
 /// What a joint's random effects take up of a column.

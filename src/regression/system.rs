@@ -127,6 +127,17 @@ impl Normal {
         }
         g
     }
+
+    /// B'W y of these columns.
+    fn pull(&self, columns: &[Column], y: &Column, weights: &[f64]) -> DVector<f64> {
+        let last = self.columns.len();
+        let at = |i: usize, j: usize| match columns[i].touches(j) {
+            true => self.products[j][(i, last)] - columns[i].taken_dot(y, j),
+            false => 0.0,
+        };
+        let of = |i: usize| weights.iter().enumerate().map(|(j, w)| w * at(i, j)).sum();
+        DVector::from_fn(columns.len(), |i, _| of(i))
+    }
 }
 
 impl System {
@@ -142,19 +153,23 @@ impl System {
         });
         let factor = Cholesky::new(scaled);
         let residual = Column::new(&normal.y, metric);
+        let pull = normal.pull(&columns, &residual, &weights);
         let x = DVector::zeros(n);
         let mut system = Self { x, residual, columns, weights, priors, information, scale, factor };
-        // The second step takes off what rounding and the ridge left.
-        for _ in 0..2 {
-            let pull = system.against(&system.residual);
-            let prior = DVector::from_fn(n, |i, _| system.x[i] * system.priors[i].powi(-2));
-            let step = system.inverse_times(&(pull - prior));
-            for (column, dx) in system.columns.iter().zip(step.iter()) {
-                system.residual.add_scaled(-dx, column);
-            }
-            system.x += step;
-        }
+        system.go(&system.inverse_times(&pull));
+        // What rounding and the ridge left.
+        let prior = DVector::from_fn(n, |i, _| system.x[i] * system.priors[i].powi(-2));
+        let left = system.against(&system.residual) - prior;
+        system.go(&system.inverse_times(&left));
         system
+    }
+
+    /// x += step
+    fn go(&mut self, step: &DVector<f64>) {
+        for (column, dx) in self.columns.iter().zip(step.iter()) {
+            self.residual.add_scaled(-dx, column);
+        }
+        self.x += step;
     }
 
     /// B'W r

@@ -61,7 +61,7 @@ impl Along {
             joint.error = both.map(|(recorded, simulated)| recorded - simulated).collect();
         }
         let told = assumed.at(&track.told, &q);
-        Ok(Self { q, qd, qdd, told, response: Response { dt: track.dt, stretches, joints } })
+        Ok(Self { q, qd, qdd, told, response: Response::new(track.dt, stretches, joints) })
     }
 
     /// The motion as felt by `robot`.

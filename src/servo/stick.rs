@@ -46,13 +46,24 @@ pub fn solve(g: &DMatrix<f64>, b: &DVector<f64>, limit: &[f64], p: &mut [f64], v
 /// The inverse of a symmetric positive definite matrix in its place, by Gauss-Jordan elimination, which needs no pivots
 /// there; of one that is none because a value ran away, zeros.
 pub fn invert(a: &mut DMatrix<f64>) {
-    let n = a.nrows();
+    // Of arms as they are: loops of a known length are unrolled.
+    match a.nrows() {
+        5 => invert_columns(a.as_mut_slice(), 5),
+        6 => invert_columns(a.as_mut_slice(), 6),
+        7 => invert_columns(a.as_mut_slice(), 7),
+        n => invert_columns(a.as_mut_slice(), n),
+    }
+}
+
+/// The columns of `a` one after the other, `n` of `n` values.
+#[inline(always)]
+fn invert_columns(a: &mut [f64], n: usize) {
     for k in 0..n {
-        let pivot = std::mem::replace(&mut a[(k, k)], 1.0);
+        let pivot = std::mem::replace(&mut a[k * n + k], 1.0);
         if pivot.is_nan() || pivot <= 0.0 {
             return a.fill(0.0);
         }
-        let (before, rest) = a.as_mut_slice().split_at_mut(k * n);
+        let (before, rest) = a.split_at_mut(k * n);
         let (column, after) = rest.split_at_mut(n);
         column.iter_mut().for_each(|c| *c /= pivot);
         for other in before.chunks_exact_mut(n).chain(after.chunks_exact_mut(n)) {

@@ -36,40 +36,68 @@ pub struct Giving {
 /// All joints of an arm beside its simulated motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
-    /// s
-    pub dt: f64,
     /// Samples that are simulated from one measured state.
     pub stretches: Vec<Range<usize>>,
     pub joints: Vec<Giving>,
+    /// What moves each joint to every sample from the one before.
+    moves: Vec<Vec<Move>>,
 }
 
-impl Response {
-    /// What a torque that the twin lacks at `joint` shows of itself in position, times the servo's gain: N.m of
-    /// a steady torque come out as they are.
-    pub fn to(&self, joint: usize, torque: &[f64]) -> Vec<f64> {
-        let giving = &self.joints[joint];
-        let mut shown = vec![0.0; torque.len()];
-        for stretch in &self.stretches {
-            self.along(giving, torque, stretch, &mut shown);
-        }
-        shown
-    }
+/// How far a joint is further (rad) and how much faster (rad/s) at a sample: each by d and v at the sample before,
+/// torque there and torque here, which changes evenly in between.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Move {
+    further: [f64; 4],
+    faster: [f64; 4],
+}
 
-    fn along(&self, of: &Giving, torque: &[f64], stretch: &Range<usize>, shown: &mut [f64]) {
-        let steps = (self.dt / LONGEST_STEP_S).ceil().max(1.0);
-        let h = self.dt / steps;
-        let (mut d, mut v) = (0.0, 0.0);
-        for k in stretch.start + 1..stretch.end {
-            let (m, damping, slope) = (of.inertia[k], of.damping[k], of.slope[k]);
-            let yields = 1.0 / (m + h * damping + h * h * slope);
+impl Move {
+    /// To sample `k`, in steps that are short beside the servo's time constants.
+    fn to(of: &Giving, k: usize, dt: f64) -> Self {
+        let steps = (dt / LONGEST_STEP_S).ceil().max(1.0);
+        let h = dt / steps;
+        let (m, damping, slope) = (of.inertia[k], of.damping[k], of.slope[k]);
+        let yields = 1.0 / (m + h * damping + h * h * slope);
+        let by = |[mut d, mut v, before, now]: [f64; 4]| {
             for step in 1..=steps as usize {
-                let share = step as f64 / steps;
-                let tau = torque[k - 1] + share * (torque[k] - torque[k - 1]);
+                let tau = before + step as f64 / steps * (now - before);
                 v = if of.slides[k] { (m * v + h * (tau - slope * d)) * yields } else { 0.0 };
                 d += h * v;
             }
-            shown[k] = of.scale * d;
+            [d, v]
+        };
+        // It is linear: what one of each does.
+        let of_each: [[f64; 2]; 4] =
+            std::array::from_fn(|i| by(std::array::from_fn(|k| f64::from(u8::from(i == k)))));
+        Self { further: of_each.map(|[d, _]| d), faster: of_each.map(|[_, v]| v) }
+    }
+}
+
+impl Response {
+    /// Of joints whose samples are `dt` s apart; samples of a stretch are simulated from one measured state.
+    pub fn new(dt: f64, stretches: Vec<Range<usize>>, joints: Vec<Giving>) -> Self {
+        let of = |g: &Giving| (0..g.inertia.len()).map(|k| Move::to(g, k, dt)).collect();
+        let moves = joints.iter().map(of).collect();
+        Self { stretches, joints, moves }
+    }
+
+    /// What a torque that the twin lacks at `joint` shows of itself in position, times the servo's gain: N.m of
+    /// a steady torque come out as they are.
+    pub fn to(&self, joint: usize, torque: &[f64]) -> Vec<f64> {
+        let (moves, scale) = (&self.moves[joint], self.joints[joint].scale);
+        let mut shown = vec![0.0; torque.len()];
+        let times = |share: &[f64; 4], by: [f64; 4]| -> f64 {
+            (share[0] * by[0] + share[1] * by[1]) + (share[2] * by[2] + share[3] * by[3])
+        };
+        for stretch in &self.stretches {
+            let [mut d, mut v] = [0.0; 2];
+            for k in stretch.start + 1..stretch.end {
+                let by = [d, v, torque[k - 1], torque[k]];
+                [d, v] = [times(&moves[k].further, by), times(&moves[k].faster, by)];
+                shown[k] = scale * d;
+            }
         }
+        shown
     }
 
     /// What the recording shows of all torque that the twin lacks, as [`Response::to`] has it, N.m.
@@ -93,7 +121,7 @@ mod tests {
             error: all(0.0),
             scale: 20.0,
         };
-        Response { dt: 0.01, stretches: std::iter::once(0..n).collect(), joints: vec![joint] }
+        Response::new(0.01, std::iter::once(0..n).collect(), vec![joint])
     }
 
     /// Steady torque comes out as it is; a sine as the transfer function K / (K - M w^2 + i D w) has it.
@@ -113,8 +141,9 @@ mod tests {
 
     #[test]
     fn a_joint_that_sticks_stays_where_it_was() {
-        let mut servo = servo(400);
-        servo.joints[0].slides[200..].fill(false);
+        let mut joint = servo(400).joints.remove(0);
+        joint.slides[200..].fill(false);
+        let servo = Response::new(0.01, std::iter::once(0..400).collect(), vec![joint]);
         let torque: Vec<f64> = (0..400).map(|k| if k < 200 { 1.0 } else { -3.0 }).collect();
         let shown = servo.to(0, &torque);
         assert!((shown[199] - 1.0).abs() < 1e-3 && shown[399] == shown[200], "{shown:?}");

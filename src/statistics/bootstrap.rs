@@ -13,36 +13,50 @@ pub fn block_length(rho: f64, n: usize) -> usize {
     (rows.ceil() as usize).clamp(1, (n / 3).max(1))
 }
 
-/// Percentile interval at `level` of a statistic of `n` rows: `statistic` gets the row indices of
-/// one resample, made of blocks of neighbouring rows that wrap around the end (circular blocks:
+/// Percentile interval at `level` of what is computed from the sums of `series`, all as long, over their rows: `of` gets
+/// the sums over one resample, made of blocks of neighbouring rows that wrap around the end (circular blocks:
 /// Politis and Romano, 1992). The same seed gives the same interval. NaN without rows.
 ///
 /// Intervals from correlated rows are too narrow: of the 90 % intervals of the mean of 300 rows, 89 % hold
 /// it where neighbours are not correlated, 84 % where by 0.5 and 80 % where by 0.8 (1500 rows: 84 %).
-pub fn block_bootstrap(
-    n: usize,
+pub fn block_bootstrap<const N: usize>(
+    series: [&[f64]; N],
     block: usize,
     replications: usize,
     level: f64,
     seed: u64,
-    mut statistic: impl FnMut(&[usize]) -> f64,
+    of: impl Fn([f64; N]) -> f64,
 ) -> [f64; 2] {
+    let n = series.first().map_or(0, |s| s.len());
     if n == 0 || replications == 0 {
         return [f64::NAN; 2];
     }
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut rows = vec![0; n];
+    let running = series.map(running_sums);
+    let block = block.clamp(1, n);
     let mut draw = || {
-        for chunk in rows.chunks_mut(block.clamp(1, n)) {
+        let mut sums = [0.0; N];
+        for first in (0..n).step_by(block) {
             let start = rng.random_range(0..n);
-            chunk.iter_mut().enumerate().for_each(|(i, row)| *row = (start + i) % n);
+            let end = start + block.min(n - first);
+            sums.iter_mut().zip(&running).for_each(|(sum, r)| *sum += r[end] - r[start]);
         }
-        statistic(&rows)
+        of(sums)
     };
     let mut values: Vec<f64> = (0..replications).map(|_| draw()).collect();
     values.sort_by(f64::total_cmp);
     let tail = 0.5 * (1.0 - level);
     [quantile(&values, tail), quantile(&values, 1.0 - tail)]
+}
+
+/// Sums of all values before each, twice around.
+fn running_sums(series: &[f64]) -> Vec<f64> {
+    let mut sum = 0.0;
+    let added = series.iter().chain(series).map(|v| {
+        sum += v;
+        sum
+    });
+    std::iter::once(0.0).chain(added).collect()
 }
 
 /// Linear interpolation between order statistics.

@@ -25,17 +25,17 @@ fn golden() -> Golden {
     serde_json::from_str(include_str!("../../tests/golden/bootstrap.json")).unwrap()
 }
 
-fn mean_of(x: &[f64]) -> impl FnMut(&[usize]) -> f64 {
-    |rows| rows.iter().map(|&r| x[r]).sum::<f64>() / rows.len() as f64
+/// Interval of the mean.
+fn of_mean(x: &[f64], block: usize, replications: usize, level: f64, seed: u64) -> [f64; 2] {
+    block_bootstrap([x], block, replications, level, seed, |[sum]| sum / x.len() as f64)
 }
 
 /// Both sides draw: the ends of 40000 replications agree to a few percent of the width.
 #[test]
 fn intervals_of_a_mean_repeat_arch() {
     let golden = golden();
-    let (x, n) = (&golden.series, golden.series.len());
     for [level, low, high] in golden.intervals {
-        let found = block_bootstrap(n, golden.block, 40_000, level, 3, mean_of(x));
+        let found = of_mean(&golden.series, golden.block, 40_000, level, 3);
         let near = 0.03 * (high - low);
         assert!((found[0] - low).abs() < near, "{level}: {found:?} [{low}, {high}]");
         assert!((found[1] - high).abs() < near, "{level}: {found:?} [{low}, {high}]");
@@ -70,7 +70,7 @@ fn intervals_hold_the_truth_as_often_as_archs() {
         let n = n as usize;
         let holds = |seed: u64, x: Vec<f64>| {
             let block = block_length(autocorrelation(&x, 1)[1], n);
-            let [low, high] = block_bootstrap(n, block, 300, level, seed, mean_of(&x));
+            let [low, high] = of_mean(&x, block, 300, level, seed);
             low <= 0.0 && 0.0 <= high
         };
         let series = (0..SERIES as u64).map(|seed| (seed, first_order(n, rho, &mut rng)));
