@@ -51,10 +51,13 @@ impl Built {
                 built.series[i].iter().zip(&term.linear).for_each(|(c, x)| add(&mut known, *x, c));
             }
         }
-        let known = (0..observed.joints()).map(|j| {
+        let sensed = |j: usize| {
             observed.block(j, &sense(observed, &model.causes, j, observed.known.joint(j)))
-        });
-        built.y.add_scaled(-1.0, &Blocks(known.collect()));
+        };
+        match has_sensor(model) {
+            true => built.y.add_scaled(-1.0, &Blocks((0..observed.joints()).map(sensed).collect())),
+            false => built.y.add_scaled(-1.0, observed.known_rows()),
+        }
         built
     }
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::built::{self, Built, Modelled, follows, is_kept, key, of_sensors, of_term};
@@ -333,29 +334,27 @@ fn solved(
     if tolerances > 0 {
         priors.resize(normal.columns.len(), tolerances::size(tolerances));
     }
-    let start = Column::new(&normal.y, metric).squares();
-    let first = System::solve(normal, metric, data.weights(&start), priors.clone());
-    let weights = data.weights(&first.residual.squares());
-    let mut system = System::solve(normal, metric, weights.clone(), priors.clone());
+    let seen = normal.seen(metric, priors.len());
+    let first = seen.values(&data.weights(&seen.squares(None)), &priors);
+    let weights = data.weights(&seen.squares(Some(&first)));
     for _ in 0..MOST_PASSES {
-        let pushing = pushing(model, &system);
+        let pushing = pushing(model, &seen.values(&weights, &priors), &priors);
         if pushing.is_empty() {
             break;
         }
         pushing.into_iter().for_each(|i| priors[i] = HELD);
-        system = System::solve(normal, metric, weights.clone(), priors.clone());
     }
-    system
+    seen.solve(weights, priors)
 }
 
 /// Standard deviation of what is held at zero, in any unit.
 const HELD: f64 = 1e-12;
 
 /// Places of open parameters that may not be negative and are.
-fn pushing(model: &Model, system: &System) -> Vec<usize> {
+fn pushing(model: &Model, x: &DVector<f64>, priors: &[f64]) -> Vec<usize> {
     let parameters = model.open.iter().flat_map(|t| t.candidate.effect.about().parameters);
     let linear = parameters.filter(|p| p.role == Role::Linear).enumerate();
-    let pushes = |i: usize| system.x[i] < 0.0 && system.priors[i].is_infinite();
+    let pushes = |i: usize| x[i] < 0.0 && priors[i].is_infinite();
     linear.filter(|(i, p)| p.min >= 0.0 && pushes(*i)).map(|(i, _)| i).collect()
 }
 

@@ -37,6 +37,7 @@ pub struct Observed<'a> {
     /// The arm with what it was last said to carry, and its torque along this motion.
     rigid: Mutex<VecDeque<(Robot, Arc<Rigid>)>>,
     rigid_rows: OnceLock<Blocks>,
+    known_rows: OnceLock<Blocks>,
 }
 
 /// Columns over all samples, joint by joint.
@@ -71,7 +72,7 @@ impl<'a> Observed<'a> {
         let known = twin.torque(&twin.motion(samples));
         let torque = Blocks::default();
         let (kept, series, rigid) = (Kept::default(), Kept::default(), Mutex::default());
-        let rigid_rows = OnceLock::new();
+        let (rigid_rows, known_rows) = (OnceLock::new(), OnceLock::new());
         let mut observed = Self {
             index,
             twin,
@@ -85,6 +86,7 @@ impl<'a> Observed<'a> {
             filter,
             rigid,
             rigid_rows,
+            known_rows,
         };
         let torque = |j| {
             let mut torque = observed.block(j, samples.torque.joint(j));
@@ -133,6 +135,13 @@ impl<'a> Observed<'a> {
             let motion = Motion { rigid: Some(&rigid), ..self.motion(&laden) };
             let torque = motion.rigid_torque();
             Blocks((0..self.joints()).map(|j| self.block(j, torque.joint(j))).collect())
+        })
+    }
+
+    /// Torque that the twin knows, at the rows, N.m.
+    pub fn known_rows(&self) -> &Blocks {
+        self.known_rows.get_or_init(|| {
+            Blocks((0..self.joints()).map(|j| self.block(j, self.known.joint(j))).collect())
         })
     }
 

@@ -28,7 +28,7 @@ pub struct Raw {
 struct Taken {
     joint: usize,
     metric: Arc<JointMetric>,
-    values: Vec<f64>,
+    values: Arc<Vec<f64>>,
 }
 
 /// Metrics of each joint for which this is kept: a search goes back and forth between a few.
@@ -83,16 +83,17 @@ impl Raw {
     }
 
     /// What the random effects of a joint's metric take up of it.
-    fn taken(&self, j: usize, metric: &Arc<JointMetric>) -> Vec<f64> {
+    fn taken(&self, j: usize, metric: &Arc<JointMetric>) -> Arc<Vec<f64>> {
         if metric.is_plain() || !self.rows.touches(j) {
-            return Vec::new();
+            return Arc::default();
         }
-        let Ok(mut all) = self.taken.lock() else { return metric.taken(self.products(j)) };
+        let work_out = || Arc::new(metric.taken(self.products(j)));
+        let Ok(mut all) = self.taken.lock() else { return work_out() };
         let same = |t: &&Taken| t.joint == j && Arc::ptr_eq(&t.metric, metric);
         if let Some(known) = all.iter().find(same) {
             return known.values.clone();
         }
-        let values = metric.taken(self.products(j));
+        let values = work_out();
         all.truncate(METRICS * self.features.len() - 1);
         all.push_front(Taken { joint: j, metric: metric.clone(), values: values.clone() });
         values
@@ -120,7 +121,7 @@ impl Raw {
 #[derive(Debug, Clone, Default)]
 pub struct Column {
     pub rows: Arc<Blocks>,
-    taken: Vec<Vec<f64>>,
+    taken: Vec<Arc<Vec<f64>>>,
     /// Where it is still what it was made of.
     raw: Option<Raw>,
 }
@@ -141,8 +142,8 @@ impl Column {
 
     /// Nothing at any of the joints.
     pub fn zeros(joints: usize) -> Self {
-        let none = vec![Vec::new(); joints];
-        Self { rows: Arc::new(Blocks(none.clone())), taken: none, raw: None }
+        let none = Blocks(vec![Vec::new(); joints]);
+        Self { rows: Arc::new(none), taken: vec![Arc::default(); joints], raw: None }
     }
 
     pub fn touches(&self, j: usize) -> bool {
@@ -171,9 +172,10 @@ impl Column {
     pub fn gather(&mut self, factor: f64, other: &Self) {
         self.raw = None;
         Arc::make_mut(&mut self.rows).gather(factor, &other.rows);
-        self.taken.resize(other.taken.len(), Vec::new());
+        self.taken.resize(other.taken.len(), Arc::default());
         for (mine, theirs) in self.taken.iter_mut().zip(&other.taken).filter(|(_, t)| !t.is_empty())
         {
+            let mine = Arc::make_mut(mine);
             mine.resize(theirs.len(), 0.0);
             crate::kernels::axpy(factor, theirs, mine);
         }
@@ -185,7 +187,7 @@ impl Column {
         Arc::make_mut(&mut self.rows).add_scaled(factor, &other.rows);
         for (mine, theirs) in self.taken.iter_mut().zip(&other.taken) {
             if mine.len() == theirs.len() {
-                crate::kernels::axpy(factor, theirs, mine);
+                crate::kernels::axpy(factor, theirs, Arc::make_mut(mine).as_mut_slice());
             }
         }
     }

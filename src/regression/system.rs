@@ -107,61 +107,115 @@ impl Normal {
         Profile::new(features, products, of_features, count, least)
     }
 
-    fn information(&self, columns: &[Column], weights: &[f64], priors: &[f64]) -> DMatrix<f64> {
-        let n = columns.len();
-        let mut g = DMatrix::zeros(n, n);
-        for (j, (w, products)) in weights.iter().zip(&self.products).enumerate() {
-            let here: Vec<usize> = (0..n).filter(|i| columns[*i].touches(j)).collect();
-            for (a, &i) in here.iter().enumerate() {
-                for &k in &here[..=a] {
-                    let value = w * (products[(i, k)] - columns[i].taken_dot(&columns[k], j));
-                    g[(i, k)] += value;
-                    if i != k {
-                        g[(k, i)] += value;
-                    }
+    /// The first `count` columns, and y, in a metric.
+    pub fn seen(&self, metric: &Metric, count: usize) -> Seen {
+        let columns = Column::all(&self.columns[..count], metric);
+        let y = Column::new(&self.y, metric);
+        let all: Vec<&Column> = columns.iter().chain([&y]).collect();
+        let place = |i: usize| if i == count { self.columns.len() } else { i };
+        let at = |(j, products): (usize, &DMatrix<f64>)| {
+            let mut here = DMatrix::zeros(count + 1, count + 1);
+            let touching: Vec<usize> = (0..=count).filter(|i| all[*i].touches(j)).collect();
+            for (a, &i) in touching.iter().enumerate() {
+                for &k in &touching[..=a] {
+                    let value = products[(place(i), place(k))] - all[i].taken_dot(all[k], j);
+                    (here[(i, k)], here[(k, i)]) = (value, value);
                 }
             }
-        }
-        for i in 0..n {
-            g[(i, i)] += priors[i].powi(-2);
-        }
-        g
-    }
-
-    /// B'W y of these columns.
-    fn pull(&self, columns: &[Column], y: &Column, weights: &[f64]) -> DVector<f64> {
-        let last = self.columns.len();
-        let at = |i: usize, j: usize| match columns[i].touches(j) {
-            true => self.products[j][(i, last)] - columns[i].taken_dot(y, j),
-            false => 0.0,
+            here
         };
-        let of = |i: usize| weights.iter().enumerate().map(|(j, w)| w * at(i, j)).sum();
-        DVector::from_fn(columns.len(), |i, _| of(i))
+        let products = self.products.iter().enumerate().map(at).collect();
+        Seen { columns, y, products }
     }
 }
 
-impl System {
-    /// `priors` are standard deviations, one per column; columns after those that have one are left out.
-    pub fn solve(normal: &Normal, metric: &Metric, weights: Vec<f64>, priors: Vec<f64>) -> Self {
-        let fitted = &normal.columns[..priors.len()];
-        let columns = Column::all(fitted, metric);
-        let information = normal.information(&columns, &weights, &priors);
-        let n = columns.len();
+/// Columns and y in a metric, however joints are weighted.
+pub struct Seen {
+    columns: Vec<Column>,
+    y: Column,
+    /// [B y]'[B y] in the metric, joint by joint.
+    products: Vec<DMatrix<f64>>,
+}
+
+/// The equations of weighted least squares, G x = B'W y.
+struct Weighted {
+    information: DMatrix<f64>,
+    scale: DVector<f64>,
+    factor: Option<Cholesky<f64, Dyn>>,
+    pull: DVector<f64>,
+}
+
+impl Seen {
+    fn weighted(&self, weights: &[f64], priors: &[f64]) -> Weighted {
+        let n = self.columns.len();
+        let mut all = DMatrix::<f64>::zeros(n + 1, n + 1);
+        for (w, products) in weights.iter().zip(&self.products) {
+            all += products * *w;
+        }
+        let pull = all.view((0, n), (n, 1)).column(0).into_owned();
+        let mut information = all.view((0, 0), (n, n)).into_owned();
+        for i in 0..n {
+            information[(i, i)] += priors[i].powi(-2);
+        }
         let scale = information.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
         let scaled = DMatrix::from_fn(n, n, |i, k| {
             information[(i, k)] / (scale[i] * scale[k]) + if i == k { RIDGE } else { 0.0 }
         });
-        let factor = Cholesky::new(scaled);
-        let residual = Column::new(&normal.y, metric);
-        let pull = normal.pull(&columns, &residual, &weights);
+        Weighted { information, scale, factor: Cholesky::new(scaled), pull }
+    }
+
+    /// The values that solve, to rounding. `priors` are standard deviations known beforehand, one per column.
+    pub fn values(&self, weights: &[f64], priors: &[f64]) -> DVector<f64> {
+        let Weighted { scale, factor, pull, .. } = self.weighted(weights, priors);
+        inverse_times(factor.as_ref(), &scale, &pull)
+    }
+
+    /// Sum of squares that values leave of y, joint by joint; of y itself without any.
+    pub fn squares(&self, x: Option<&DVector<f64>>) -> Vec<f64> {
+        let n = self.columns.len();
+        let of = |products: &DMatrix<f64>| {
+            let whole = products[(n, n)];
+            let Some(x) = x else { return whole };
+            let with_y = products.view((0, n), (n, 1)).column(0).dot(x);
+            let own = (products.view((0, 0), (n, n)) * x).dot(x);
+            (whole - 2.0 * with_y + own).max(0.0)
+        };
+        self.products.iter().map(of).collect()
+    }
+
+    /// Least squares. `priors` as in [`Self::values`].
+    pub fn solve(self, weights: Vec<f64>, priors: Vec<f64>) -> System {
+        let Weighted { information, scale, factor, pull } = self.weighted(&weights, &priors);
+        let Self { columns, y: residual, .. } = self;
+        let n = columns.len();
         let x = DVector::zeros(n);
-        let mut system = Self { x, residual, columns, weights, priors, information, scale, factor };
+        let mut system =
+            System { columns, weights, x, residual, priors, information, scale, factor };
         system.go(&system.inverse_times(&pull));
         // What rounding and the ridge left.
         let prior = DVector::from_fn(n, |i, _| system.x[i] * system.priors[i].powi(-2));
         let left = system.against(&system.residual) - prior;
         system.go(&system.inverse_times(&left));
         system
+    }
+}
+
+/// G^-1 v
+fn inverse_times(
+    factor: Option<&Cholesky<f64, Dyn>>,
+    scale: &DVector<f64>,
+    v: &DVector<f64>,
+) -> DVector<f64> {
+    match (factor, v.is_empty()) {
+        (Some(factor), false) => factor.solve(&v.component_div(scale)).component_div(scale),
+        _ => v.map(|_| 0.0),
+    }
+}
+
+impl System {
+    /// `priors` are standard deviations, one per column; columns after those that have one are left out.
+    pub fn solve(normal: &Normal, metric: &Metric, weights: Vec<f64>, priors: Vec<f64>) -> Self {
+        normal.seen(metric, priors.len()).solve(weights, priors)
     }
 
     /// x += step
@@ -180,12 +234,7 @@ impl System {
 
     /// G^-1 v
     pub fn inverse_times(&self, v: &DVector<f64>) -> DVector<f64> {
-        match (&self.factor, v.is_empty()) {
-            (Some(factor), false) => {
-                factor.solve(&v.component_div(&self.scale)).component_div(&self.scale)
-            }
-            _ => v.map(|_| 0.0),
-        }
+        inverse_times(self.factor.as_ref(), &self.scale, v)
     }
 
     /// The logarithm of Occam's factor, negated, of parameters with a finite prior, those from `first` on, nats: how far

@@ -208,12 +208,12 @@ fn correlated_samples_are_worth_fewer() {
 fn block_bootstrap_sees_correlation_and_repeats_with_its_seed() {
     let (n, rho) = (4000, 0.8);
     let x = first_order(n, rho, 7);
-    let mean = |rows: &[usize]| rows.iter().map(|&r| x[r]).sum::<f64>() / rows.len() as f64;
+    let mean = |[sum]: [f64; 1]| sum / n as f64;
     let block = block_length(rho, n);
-    let [low, high] = block_bootstrap(n, block, 1000, 0.95, 8, mean);
+    let [low, high] = block_bootstrap([&x], block, 1000, 0.95, 8, mean);
     let theory = 2.0 * 1.96 * ((1.0 + rho) / (1.0 - rho) / n as f64).sqrt();
     assert!(((high - low) / theory - 1.0).abs() < 0.2, "{} against {theory}", high - low);
-    assert_eq!([low, high], block_bootstrap(n, block, 1000, 0.95, 8, mean));
+    assert_eq!([low, high], block_bootstrap([&x], block, 1000, 0.95, 8, mean));
     assert_eq!(block_length(0.0, n), 1);
 }
 

@@ -199,7 +199,8 @@ fn alone(effect: &str, value: f64) -> Value {
     let text = fs::read_to_string(format!("scenarios/effects/{effect}.toml")).unwrap();
     let (before, after) = text.split_once(&format!("[effects.{effect}]")).unwrap();
     assert_eq!(after.matches('=').count(), 1, "{effect} has one parameter");
-    let folder = Folder::of(&format!("{before}[effects.{effect}]\n{effect} = {value}\n"));
+    let shorter = "[motion]\nduration_s = 40\n";
+    let folder = Folder::of(&format!("{before}[effects.{effect}]\n{effect} = {value}\n{shorter}"));
     let known = ["coulomb", "viscous", effect];
     let names = CATALOGUE.iter().map(|e| e.about().name).filter(|name| !known.contains(name));
     let others = names.collect::<Vec<_>>().join(",");

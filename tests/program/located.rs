@@ -11,7 +11,7 @@ const TERMS: &str =
 
 fn simulated(scenario: &str, folder: &Path) -> String {
     let out = folder.to_str().unwrap();
-    let made = armtwin(&["simulate", scenario, "--out", out]);
+    let made = armtwin(&["simulate", scenario, "--out", out, "--duration", "40"]);
     assert_eq!(made.code, 0, "{}", made.stderr);
     folder.join("fit.csv").display().to_string()
 }

@@ -17,7 +17,7 @@ fn text(path: &Path) -> &str {
 }
 
 fn draw(out: &Path, more: &[&str]) {
-    let few = ["draw", "--cases", "3", "--seed", "5", "--duration", "12", "--out", text(out)];
+    let few = ["draw", "--cases", "3", "--seed", "5", "--duration", "8", "--out", text(out)];
     let only = ["--only", "clean,single,withheld,stribeck,current_offset"];
     let run = trial(&[&few[..], &only[..], more].concat());
     assert_eq!(run.code, 0, "{}", run.stderr);
