@@ -18,7 +18,7 @@ rotor_inertia = [1.1, 1.1, 1.1, 0.14, 0.14, 0.14]
 [motion]
 kind = \"mixed\"
 seed = 5
-duration_s = 30
+duration_s = 24
 [check]
 kind = \"random_frequency\"
 [noise]
@@ -163,7 +163,9 @@ lugre_width = 1e-4
 lugre_excess = 0.46
 lugre_velocity = 0.0235
 ";
-    let in_place_of_coulomb = quieter().replace("[6.2,", "[0,");
+    // That takes longer to tell.
+    let longer = quieter().replace("duration_s = 24", "duration_s = 30");
+    let in_place_of_coulomb = longer.replace("[6.2,", "[0,");
     let folder = Folder::of(&format!("{in_place_of_coulomb}{lugre}"));
     let (found, page) = folder.diagnosed(TWIN, "out");
     let cause = &found["causes"][0];
