@@ -129,7 +129,7 @@ impl Normal {
     }
 }
 
-/// Columns and y in a metric, however joints are weighted.
+/// Columns and y in a metric, with their products there: one for all weights of joints (1/(N.m)^2) and all priors.
 pub struct Seen {
     columns: Vec<Column>,
     y: Column,
@@ -170,7 +170,8 @@ impl Seen {
         inverse_times(factor.as_ref(), &scale, &pull)
     }
 
-    /// Sum of squares that values leave of y, joint by joint; of y itself without any.
+    /// Sum of squares that values leave of y, joint by joint, (N.m)^2; of y itself without any. By products, so it is
+    /// rounded as the squares of y are.
     pub fn squares(&self, x: Option<&DVector<f64>>) -> Vec<f64> {
         let n = self.columns.len();
         let of = |products: &DMatrix<f64>| {

@@ -43,8 +43,9 @@ pub struct Response {
     moves: Vec<Vec<Move>>,
 }
 
-/// How far a joint is further (rad) and how much faster (rad/s) at a sample: each by d and v at the sample before,
-/// torque there and torque here, which changes evenly in between.
+/// How far a joint is further (d, rad) and how much faster (v, rad/s) at a sample: each by d and v at the sample before,
+/// torque there and torque here (N.m), which changes evenly in between. The state transition of the
+/// steps in between.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Move {
     further: [f64; 4],
@@ -74,7 +75,8 @@ impl Move {
 }
 
 impl Response {
-    /// Of joints whose samples are `dt` s apart; samples of a stretch are simulated from one measured state.
+    /// Of joints whose samples are `dt` s apart, as many of each list; samples of a stretch are simulated from one
+    /// measured state.
     pub fn new(dt: f64, stretches: Vec<Range<usize>>, joints: Vec<Giving>) -> Self {
         let of = |g: &Giving| (0..g.inertia.len()).map(|k| Move::to(g, k, dt)).collect();
         let moves = joints.iter().map(of).collect();
