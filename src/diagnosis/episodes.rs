@@ -138,9 +138,10 @@ impl Stretch<'_, '_> {
         let inside = at(self.windows.start)..at(self.windows.end);
         let (mut rows, mut gaps) = (Vec::new(), Vec::new());
         for j in 0..self.evidence.joints() {
-            let own = self.evidence.rows[j].iter().zip(self.residual.joint(j));
-            for (&k, r) in own.filter(|(k, _)| inside.contains(*k)) {
-                rows.push((k, j));
+            let own = self.evidence.rows[j].iter().zip(self.evidence.sureness.joint(j));
+            let own = own.zip(self.residual.joint(j));
+            for ((&k, sure), r) in own.filter(|((k, _), _)| inside.contains(*k)) {
+                rows.push((k, j, *sure));
                 gaps.push(*r);
             }
         }
@@ -157,21 +158,21 @@ impl Stretch<'_, '_> {
         })
     }
 
-    /// Least squares of the gaps (N.m, at sample and joint) by one force, and the share of their
-    /// squares it explains.
-    fn force(&self, rows: &[(usize, usize)], gaps: &[f64]) -> Option<([f64; 3], f64)> {
+    /// Least squares of the gaps (N.m, at sample and joint, scaled by how sure they are) by one force, and the share of
+    /// their squares it explains.
+    fn force(&self, rows: &[(usize, usize, f64)], gaps: &[f64]) -> Option<([f64; 3], f64)> {
         let robot = &self.evidence.twin.robot;
         let last = robot.dof().checked_sub(1)?;
-        let sliding = (0..robot.dof()).filter(|j| rows.iter().any(|(_, at)| at == j)).count();
+        let sliding = (0..robot.dof()).filter(|j| rows.iter().any(|(_, at, _)| at == j)).count();
         if sliding < FEWEST_JOINTS {
             return Some(([0.0; 3], 0.0));
         }
         let mut q = vec![0.0; robot.dof()];
         let mut columns = DMatrix::zeros(rows.len(), 3);
-        for (i, &(k, j)) in rows.iter().enumerate() {
+        for (i, &(k, j, sure)) in rows.iter().enumerate() {
             self.evidence.samples.q.sample_into(k, &mut q);
             let jacobian = point_jacobian(robot, &q, last, &robot.flange.translation);
-            (0..3).for_each(|axis| columns[(i, axis)] = jacobian[(axis, j)]);
+            (0..3).for_each(|axis| columns[(i, axis)] = sure * jacobian[(axis, j)]);
         }
         let gaps = DVector::from_column_slice(gaps);
         let force = columns.clone().svd(true, true).solve(&gaps, 1e-9).ok()?;

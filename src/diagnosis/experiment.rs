@@ -192,6 +192,7 @@ fn planned(twin: &Twin, like: &Samples, experiment: &Experiment, seed: u64) -> O
         told: None,
         response: None,
         sensed: None,
+        smoothed_further: None,
         temperature,
         usable: vec![true; n],
         notes: Vec::new(),

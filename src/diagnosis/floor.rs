@@ -9,8 +9,8 @@ use super::repeats::cycle;
 use crate::robot::{Told, Workspace, mass_matrix};
 use crate::series::JointSeries;
 use crate::signals::{
-    Derivatives, LowPass, Response, Samples, SavitzkyGolay, central_difference, mean_difference,
-    second_difference,
+    Conditioning, Derivatives, LowPass, Response, Samples, SavitzkyGolay, central_difference,
+    mean_difference, second_difference,
 };
 use crate::twin::Twin;
 
@@ -113,8 +113,10 @@ fn estimate(samples: &Samples, twin: &Twin, filter: Option<&LowPass>) -> Vec<f64
     let [torque, mut position] = [(&samples.torque, &quiet), (source, &motion)].map(spread);
     let damping = damping(samples, &motion);
     position.iter_mut().for_each(|p| *p /= damping);
-    let (g_tau, g_qdd) =
-        (noise_gain(filter, |x| x), noise_gain(filter, |x| conditioned(samples, x, 1)));
+    let (g_tau, g_qdd) = (
+        noise_gain(filter, |x| x),
+        noise_gain(filter, |x| conditioned(&samples.conditioning, samples.dt, x, 1)),
+    );
     let inertia = squared_inertia(samples, twin);
     let of_joint = |i: usize| {
         let carried = inertia[i].iter().zip(&position).map(|(m, p)| m * p * p);
@@ -153,14 +155,14 @@ pub(super) fn noise_gain(filter: Option<&LowPass>, treat: impl Fn(Vec<f64>) -> V
 /// What conditioning leaves of unit noise in a band of the recorded position (or velocity).
 fn damping(samples: &Samples, band_hz: &Range<f64>) -> f64 {
     let rate = samples.rate_hz();
-    let left = band_gain(&conditioned(samples, impulse(), 0), rate, band_hz);
+    let left =
+        band_gain(&conditioned(&samples.conditioning, samples.dt, impulse(), 0), rate, band_hz);
     (left / band_gain(&impulse(), rate, band_hz)).sqrt().clamp(1e-3, 1.0)
 }
 
 /// The position (or velocity) as conditioning smooths it, or with `order` 1 the acceleration that
 /// it makes of it.
-fn conditioned(samples: &Samples, mut x: Vec<f64>, order: usize) -> Vec<f64> {
-    let (how, dt) = (&samples.conditioning, samples.dt);
+pub(super) fn conditioned(how: &Conditioning, dt: f64, mut x: Vec<f64>, order: usize) -> Vec<f64> {
     let cutoff = how.motion_cutoff_hz;
     if how.derivatives == Derivatives::TrackingError {
         let cutoff = if cutoff > 0.0 { cutoff } else { 0.4 / dt };
@@ -209,8 +211,8 @@ mod tests {
 
     use super::*;
     use crate::recording::{Channel, Provenance, Recording};
+    use crate::signals::condition;
     use crate::signals::testing::samples;
-    use crate::signals::{Conditioning, condition};
 
     const SIGMA_NM: f64 = 2.0;
 

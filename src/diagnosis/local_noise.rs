@@ -8,7 +8,7 @@ const ORDER: usize = 4;
 /// Samples of the response to an impulse.
 const IMPULSE: usize = 2001;
 /// Median of |N(0, 1)|.
-const MEDIAN_ABSOLUTE: f64 = 0.674_489_750_196_081_7;
+pub const MEDIAN_ABSOLUTE: f64 = 0.674_489_750_196_081_7;
 /// Nearer to standstill, friction that changes its sign rings in every band, s.
 const AWAY_S: f64 = 0.1;
 const FEWEST: usize = 200;

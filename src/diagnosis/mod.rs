@@ -54,6 +54,7 @@ mod shrink;
 mod sizes;
 mod slopes;
 mod slow;
+mod smoothing;
 mod tolerances;
 mod touches;
 mod traces;

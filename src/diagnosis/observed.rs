@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use super::DiagnosisError;
 use super::floor::Floor;
 use super::kept::Kept;
+use super::smoothing::{missing, sureness};
 use crate::effects::{Motion, Rigid};
 use crate::regression::Blocks;
 use crate::robot::Robot;
@@ -26,7 +27,10 @@ pub struct Observed<'a> {
     pub rows: Vec<Vec<usize>>,
     /// Standard deviation of the noise of `torque`, joint by joint, N.m.
     pub sigma: Vec<f64>,
-    /// Recorded torque at the rows, N.m, filtered as all columns are.
+    /// That over the standard deviation of each row, at most 1 (`smoothing`): rows of torque and of columns are
+    /// scaled by it.
+    pub sureness: Blocks,
+    /// Recorded torque at the rows, N.m, filtered and scaled as all columns are.
     pub torque: Blocks,
     /// What the twin knows, over all samples, before sensors, N.m.
     pub known: JointSeries,
@@ -56,7 +60,7 @@ impl<'a> Observed<'a> {
         floor: &[Floor],
     ) -> Result<Self, DiagnosisError> {
         let filter = samples.torque_filter()?.as_ref().map(Decimator::new);
-        let sigma = floor.iter().map(|f| f.noise_nm).collect();
+        let sigma: Vec<f64> = floor.iter().map(|f| f.noise_nm).collect();
         let rows: Vec<Vec<usize>> = (0..samples.joints())
             .map(|j| samples.rows(j).samples)
             .map(|rows| if rows.len() < FEWEST_ROWS { Vec::new() } else { rows })
@@ -70,6 +74,12 @@ impl<'a> Observed<'a> {
             return Err(DiagnosisError::Recording(problem));
         }
         let known = twin.torque(&twin.motion(samples));
+        let missing = missing(samples, twin, &known)?;
+        let sure = |j: usize| match &missing {
+            Some(all) => sureness(all.joint(j), &rows[j], samples.quarter_period(), sigma[j]),
+            None => vec![1.0; rows[j].len()],
+        };
+        let sureness = Blocks((0..rows.len()).map(sure).collect());
         let torque = Blocks::default();
         let (kept, series, rigid) = (Kept::default(), Kept::default(), Mutex::default());
         let (rigid_rows, known_rows) = (OnceLock::new(), OnceLock::new());
@@ -79,6 +89,7 @@ impl<'a> Observed<'a> {
             samples,
             rows,
             sigma,
+            sureness,
             torque,
             known,
             kept,
@@ -145,9 +156,16 @@ impl<'a> Observed<'a> {
         })
     }
 
+    /// A series over all samples of a joint -> its rows, filtered as the torque is, and scaled by how sure they are.
+    pub fn block(&self, joint: usize, series: &[f64]) -> Vec<f64> {
+        let mut rows = self.filtered(joint, series);
+        rows.iter_mut().zip(&self.sureness.0[joint]).for_each(|(r, sure)| *r *= sure);
+        rows
+    }
+
     /// A series over all samples of a joint -> its rows, filtered as the torque is: by the low-pass, or by what
     /// position servos make of it.
-    pub fn block(&self, joint: usize, series: &[f64]) -> Vec<f64> {
+    fn filtered(&self, joint: usize, series: &[f64]) -> Vec<f64> {
         let rows = &self.rows[joint];
         if rows.is_empty() {
             return Vec::new();
@@ -162,12 +180,17 @@ impl<'a> Observed<'a> {
         }
     }
 
-    /// Rows over all samples, zero elsewhere.
+    /// Rows as [`Self::block`] scales them -> in full.
+    pub fn in_full(&self, joint: usize, rows: &[f64]) -> Vec<f64> {
+        rows.iter().zip(self.sureness.joint(joint)).map(|(r, sure)| r / sure).collect()
+    }
+
+    /// Rows over all samples in full, zero elsewhere.
     pub fn over_time(&self, rows: &Blocks) -> JointSeries {
         let mut series = JointSeries::zeros(self.joints(), self.samples.len());
         for (j, places) in self.rows.iter().enumerate() {
             let all = series.joint_mut(j);
-            places.iter().zip(rows.joint(j)).for_each(|(&k, v)| all[k] = *v);
+            places.iter().zip(self.in_full(j, rows.joint(j))).for_each(|(&k, v)| all[k] = v);
         }
         series
     }

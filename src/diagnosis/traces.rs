@@ -156,10 +156,10 @@ impl Made<'_, '_> {
             velocity: at(samples.qd.joint(j)),
             load: at(load),
             since_reversal: at(&since_reversal(samples, j)),
-            torque: check.torque.joint(j).to_vec(),
-            masses: check.block(j, self.masses.joint(j)),
-            before: self.blocks[0].joint(j).to_vec(),
-            after: self.blocks[1].joint(j).to_vec(),
+            torque: check.in_full(j, check.torque.joint(j)),
+            masses: check.in_full(j, &check.block(j, self.masses.joint(j))),
+            before: check.in_full(j, self.blocks[0].joint(j)),
+            after: check.in_full(j, self.blocks[1].joint(j)),
             regimes: regimes
                 .iter()
                 .filter(|c| c.part.is_none())

@@ -21,6 +21,7 @@ use super::proved::{SURE, proved};
 use super::ranking::{self, named};
 use super::search::{Found, Round, Weighed};
 use super::sizes::Sizes;
+use super::smoothing;
 use super::unexplained::{Left, unexplained};
 use super::untestable::untestable;
 use super::{
@@ -293,6 +294,9 @@ impl<'a> Findings<'a> {
     fn notes(&self, adjustments: &[Cause]) -> Vec<String> {
         let mut notes: Vec<String> = self.lagging.iter().map(Lagging::says).collect();
         notes.extend(adjustments.iter().map(|a| words::adjustment(a, self.why_unnamed(a))));
+        let sureness = [&self.fit.sureness, &self.check.sureness];
+        let cutoff_hz = self.fit.samples.conditioning.motion_cutoff_hz;
+        notes.extend(words::kinks(&smoothing::kinked(&sureness), cutoff_hz));
         let is_equal = |c: &Candidate| self.equals.iter().flatten().flatten().any(|e| e == c);
         let causes = self.found.last.model.causes.iter();
         let dropped =

@@ -439,6 +439,18 @@ pub const LOUDER: &str = "louder than anything in the other recording; a contact
                           at the flange explains it, touched where a force that changes with time \
                           is more probable than none";
 
+/// Where the motion kinks faster than smoothing at `cutoff_hz` follows: joints, and how many of their rows count little.
+pub fn kinks(at: &[(usize, f64)], cutoff_hz: f64) -> Option<String> {
+    let most = at.iter().map(|(_, lost)| *lost).reduce(f64::max)?;
+    let joints: Vec<usize> = at.iter().map(|(joint, _)| *joint).collect();
+    Some(format!(
+        "the motion of {} kinks within a sample or two, faster than its smoothing at {cutoff_hz} Hz follows: up to {} of \
+         a joint's rows count by less than half, for what they show may be the acceleration that is missing",
+        place(&joints),
+        percent(most)
+    ))
+}
+
 /// "97 %"; never "100 %" for less than that.
 pub fn percent(share: f64) -> String {
     match share {

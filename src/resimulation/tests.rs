@@ -79,6 +79,7 @@ fn held(pose: &[f64], torque: &[f64]) -> Samples {
         told: None,
         response: None,
         sensed: None,
+        smoothed_further: None,
         temperature: None,
         usable: vec![true; n],
         conditioning: Conditioning::default(),

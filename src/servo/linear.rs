@@ -100,6 +100,7 @@ pub fn linearised(
         told: Some(told),
         response: Some(Arc::new(response)),
         sensed: None,
+        smoothed_further: None,
         usable,
         ..recorded.clone()
     })

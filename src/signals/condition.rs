@@ -30,6 +30,7 @@ pub fn condition(
     let sensed = |qd| Sensed { q: carry(&picked.q), qd: carry(qd) };
     let sensed = picked.unused_qd.as_ref().map(sensed);
     let motion = differentiate(&picked, carry, grid.dt, how)?;
+    let smoothed_further = smoothed_further(&picked, carry, grid.dt, how)?;
     let usable = usable(&grid, how)?;
     let [q, qd, qdd] = motion;
     let (torque, told) = torque(&picked, drive, &grid, &qd);
@@ -43,6 +44,7 @@ pub fn condition(
         told,
         response: None,
         sensed,
+        smoothed_further,
         temperature: picked.temperature.as_ref().map(carry),
         usable,
         conditioning: how.clone(),
@@ -206,6 +208,27 @@ fn differentiate(
             Ok([q, qd, qdd])
         }
     }
+}
+
+/// What half the sharpest cutoff takes further from the acceleration, everywhere alike; `None` where the motion is not
+/// smoothed.
+fn smoothed_further(
+    picked: &Picked,
+    carry: impl Fn(&JointSeries) -> JointSeries,
+    dt: f64,
+    how: &Conditioning,
+) -> Result<Option<JointSeries>, SignalError> {
+    let cutoff = how.sharpest_cutoff_hz();
+    if cutoff <= 0.0 || how.derivatives == Derivatives::Paper {
+        return Ok(None);
+    }
+    let smoothed = |motion_cutoff_hz: f64| {
+        let how = Conditioning { motion_cutoff_hz, standstill_cutoff_hz: 0.0, ..how.clone() };
+        differentiate(picked, &carry, dt, &how).map(|[_, _, qdd]| qdd)
+    };
+    let (at, half) = (smoothed(cutoff)?, smoothed(0.5 * cutoff)?);
+    let less = |j: usize, half: &[f64]| half.iter().zip(at.joint(j)).map(|(h, a)| h - a).collect();
+    Ok(Some(half.map_joints(less)))
 }
 
 fn low_passed(filter: Option<&LowPass>, series: JointSeries) -> JointSeries {

@@ -104,6 +104,16 @@ impl Default for Conditioning {
     }
 }
 
+impl Conditioning {
+    /// The highest cutoff by which the motion is smoothed anywhere, Hz; 0 is none.
+    pub fn sharpest_cutoff_hz(&self) -> f64 {
+        match self.derivatives {
+            Derivatives::TrackingError => self.motion_cutoff_hz.max(self.standstill_cutoff_hz),
+            _ => self.motion_cutoff_hz,
+        }
+    }
+}
+
 /// Motion and torque of every joint on a uniform grid. The torque is as measured, not filtered:
 /// identification filters it together with its regressors.
 #[derive(Debug, Clone, PartialEq)]
@@ -126,6 +136,9 @@ pub struct Samples {
     pub response: Option<Arc<Response>>,
     /// Present where velocities are recorded and the motion is made from positions.
     pub sensed: Option<Sensed>,
+    /// Acceleration of the motion smoothed at half the sharpest cutoff less that at it, rad/s^2: large where the motion
+    /// kinks. `None` where it is not smoothed.
+    pub smoothed_further: Option<JointSeries>,
     /// deg C, where recorded.
     pub temperature: Option<JointSeries>,
     /// False in the margins at both ends, in gaps and beside them; the same for every joint.
@@ -163,6 +176,14 @@ impl Samples {
     /// Recording time of sample `k`, s.
     pub fn time(&self, k: usize) -> f64 {
         self.start + k as f64 * self.dt
+    }
+
+    /// Samples of a quarter of a period of the motion's sharpest cutoff, or the torque's if that is lower: what is left
+    /// of a kink swings no faster.
+    pub fn quarter_period(&self) -> usize {
+        let cutoffs = [self.conditioning.sharpest_cutoff_hz(), self.conditioning.torque_cutoff_hz];
+        let given = cutoffs.into_iter().filter(|hz| *hz > 0.0);
+        (0.25 * self.rate_hz() / given.fold(0.5 * self.rate_hz(), f64::min)).round() as usize
     }
 
     /// The low-pass for torque and regressors; `None` where the conditioning says none.

@@ -24,6 +24,7 @@ pub fn samples(joints: usize, n: usize, q: impl Fn(usize, f64) -> f64) -> Sample
         told: None,
         response: None,
         sensed: None,
+        smoothed_further: None,
         temperature: None,
         usable: (0..n).map(|k| k >= margin && k < n - margin).collect(),
         conditioning: Conditioning::default(),

@@ -38,6 +38,7 @@ fn samples(third: &Recording, case: &str) -> Result<Samples, TrialError> {
         told: None,
         response: None,
         sensed: None,
+        smoothed_further: None,
         temperature: Some(series(temperature)?),
         usable: vec![true; third.time.len()],
         conditioning: Conditioning {
