@@ -94,6 +94,7 @@ fn seven_joints() -> (Twin, Samples) {
         told: None,
         response: None,
         sensed: None,
+        smoothed_further: None,
         temperature: None,
         usable: vec![true; n],
         conditioning: Conditioning::default(),

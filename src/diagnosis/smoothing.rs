@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn rows_beside_a_kink_are_less_sure_and_noise_is_no_kink() {
-        let noise = |k: usize| if k % 2 == 0 { 0.1 } else { -0.1 };
+        let noise = |k: usize| if k.is_multiple_of(2) { 0.1 } else { -0.1 };
         let mut missing: Vec<f64> = (0..100).map(noise).collect();
         missing[50] = 4.0;
         let rows: Vec<usize> = (0..100).collect();
