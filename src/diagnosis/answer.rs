@@ -215,7 +215,8 @@ pub struct Value {
     pub at_bound: bool,
 }
 
-/// Root mean square of the gap on the check recording over all joints, N.m.
+/// Root mean square of the gap on the check recording over all joints, N.m; rows beside a kink of the motion by as much
+/// as they count.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Checked {
     pub check_before_nm: f64,
@@ -302,7 +303,7 @@ pub struct Rejected {
 /// What the causes leave of the check recording.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Unexplained {
-    /// Root mean square over all joints, N.m.
+    /// Root mean square over all joints, N.m; rows beside a kink of the motion by as much as they count.
     pub rms_nm: f64,
     /// Share of the mean square before the causes that is left.
     pub fraction: f64,
@@ -322,7 +323,7 @@ pub struct Unexplained {
 pub struct UnexplainedJoint {
     /// From 1 at the base.
     pub joint: usize,
-    /// N.m
+    /// N.m, counted as that of all joints.
     pub rms_nm: f64,
     /// What of `rms_nm` would stay if links and scales of torque were as the mended twin has them, N.m; absent as that of
     /// all joints is.

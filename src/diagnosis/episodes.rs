@@ -38,7 +38,7 @@ pub struct Episode {
     pub end: f64,
     /// Joints that stand out, from 1 at the base.
     pub joints: Vec<usize>,
-    /// Largest gap, N.m.
+    /// Largest gap, N.m; beside a kink of the motion by as much as the row counts.
     pub peak_nm: f64,
     /// Force at the flange that fits best, N, in the axes of the base: what the arm pushes against.
     pub force_n: [f64; 3],

@@ -160,8 +160,8 @@ fn damping(samples: &Samples, band_hz: &Range<f64>) -> f64 {
     (left / band_gain(&impulse(), rate, band_hz)).sqrt().clamp(1e-3, 1.0)
 }
 
-/// The position (or velocity) as conditioning smooths it, or with `order` 1 the acceleration that
-/// it makes of it.
+/// The position (or velocity) `x`, sampled every `dt` s, as conditioning smooths it, or with `order` 1 the acceleration
+/// that it makes of it.
 pub(super) fn conditioned(how: &Conditioning, dt: f64, mut x: Vec<f64>, order: usize) -> Vec<f64> {
     let cutoff = how.motion_cutoff_hz;
     if how.derivatives == Derivatives::TrackingError {

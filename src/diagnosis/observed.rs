@@ -159,13 +159,13 @@ impl<'a> Observed<'a> {
     /// A series over all samples of a joint -> its rows, filtered as the torque is, and scaled by how sure they are.
     pub fn block(&self, joint: usize, series: &[f64]) -> Vec<f64> {
         let mut rows = self.filtered(joint, series);
-        rows.iter_mut().zip(&self.sureness.0[joint]).for_each(|(r, sure)| *r *= sure);
+        rows.iter_mut().zip(self.sureness.joint(joint)).for_each(|(r, sure)| *r *= sure);
         rows
     }
 
     /// A series over all samples of a joint -> its rows, filtered as the torque is: by the low-pass, or by what
     /// position servos make of it.
-    fn filtered(&self, joint: usize, series: &[f64]) -> Vec<f64> {
+    pub fn filtered(&self, joint: usize, series: &[f64]) -> Vec<f64> {
         let rows = &self.rows[joint];
         if rows.is_empty() {
             return Vec::new();

@@ -17,8 +17,8 @@ use crate::twin::Twin;
 /// Share of a joint's rows from which on that is said.
 const TOLD: f64 = 0.05;
 
-/// Torque of the acceleration that smoothing may have taken at every sample, joint by joint, N.m, and noise; `None` where the
-/// motion is not smoothed.
+/// Torque of the acceleration that smoothing may have taken at every sample, joint by joint, N.m, with the noise that it
+/// took; `known` is that of the motion as it is smoothed. `None` where it is not.
 pub fn missing(
     samples: &Samples,
     twin: &Twin,

@@ -157,7 +157,7 @@ impl Made<'_, '_> {
             load: at(load),
             since_reversal: at(&since_reversal(samples, j)),
             torque: check.in_full(j, check.torque.joint(j)),
-            masses: check.in_full(j, &check.block(j, self.masses.joint(j))),
+            masses: check.filtered(j, self.masses.joint(j)),
             before: check.in_full(j, self.blocks[0].joint(j)),
             after: check.in_full(j, self.blocks[1].joint(j)),
             regimes: regimes
