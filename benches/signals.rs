@@ -28,7 +28,7 @@ fn inference(c: &mut Criterion) {
     let slots: Vec<usize> = (0..n).collect();
     let zero = [0.0; 6];
     c.bench_function("infer, 1000 rows, 6 parameters", |b| {
-        b.iter(|| infer(&zero, &zero, black_box(&jacobian), &residual, &slots, 0.99))
+        b.iter(|| infer(&zero, &zero, black_box(&jacobian), &residual, &slots, None, 0.99))
     });
 }
 

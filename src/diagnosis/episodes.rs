@@ -5,7 +5,9 @@
 //! largest of the other recording at that joint. Where a stretch lies beyond it, one force at the
 //! flange, constant over it, is fitted to all joints: tau = J^T F (Haddadin, De Luca, Albu-Schaffer,
 //! IEEE Trans. Robotics 33(6), 2017, eq. 1). The share it explains tells a contact from a fault of
-//! a joint.
+//! a joint. What comes again with a motion that comes again is no accident.
+
+use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -25,8 +27,8 @@ const FEWEST: usize = 3;
 const FEWEST_JOINTS: usize = 3;
 /// Stretches nearer to each other are one, s.
 const NEAR_S: f64 = 0.5;
-/// Share of a stretch's squares from which one force at the flange is its explanation.
-const PUSHED: f64 = 0.5;
+/// Share of a stretch's squares from which one force at the flange, or that it comes again, is its explanation.
+const MOST_OF_IT: f64 = 0.5;
 
 /// A stretch of time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -44,6 +46,9 @@ pub struct Episode {
     pub force_n: [f64; 3],
     /// Share of the squares of the stretch's gap that this force explains.
     pub explained: f64,
+    /// Time after which the same comes again with the motion, s: it is no accident.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub every_s: Option<f64>,
     /// The force from outside over time, where one is more probable than none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub touch: Option<Touch>,
@@ -65,9 +70,9 @@ pub struct Touch {
 }
 
 impl Episode {
-    /// Does one force explain most of it?
+    /// Does one force explain most of it, and did it happen once?
     pub fn is_push(&self) -> bool {
-        self.explained >= PUSHED
+        self.explained >= MOST_OF_IT && self.every_s.is_none()
     }
 }
 
@@ -154,8 +159,30 @@ impl Stretch<'_, '_> {
             peak_nm: gaps.iter().fold(0.0, |peak, gap| gap.abs().max(peak)),
             force_n,
             explained,
+            every_s: self.every_s(&inside),
             touch: None,
         })
+    }
+
+    /// A cycle of the motion, s, where most of the stretch comes again in the cycles before and after.
+    fn every_s(&self, inside: &std::ops::Range<usize>) -> Option<f64> {
+        let Observed { samples, rows, again, cycle, .. } = self.evidence;
+        let (mut squares, mut alike) = (0.0, 0.0);
+        for (j, rows) in rows.iter().enumerate() {
+            let left = self.residual.joint(j);
+            let mut others: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+            for [a, b] in again[j].iter().flat_map(|&[a, b]| [[a, b], [b, a]]) {
+                let sum = others.entry(a).or_default();
+                *sum = (sum.0 + left[b], sum.1 + 1.0);
+            }
+            for i in (0..rows.len()).filter(|i| inside.contains(&rows[*i])) {
+                let square = left[i].powi(2);
+                let differs = |(sum, count): &(f64, f64)| (left[i] - sum / count).powi(2);
+                squares += square;
+                alike += square - others.get(&i).map_or(square, differs);
+            }
+        }
+        cycle.filter(|_| alike >= MOST_OF_IT * squares).map(|lag| lag as f64 * samples.dt)
     }
 
     /// Least squares of the gaps (N.m, at sample and joint, scaled by how sure they are) by one force, and the share of
@@ -192,6 +219,7 @@ mod tests {
 
     const FORCE_N: [f64; 3] = [12.0, -20.0, 8.0];
     const PUSH_S: [f64; 2] = [20.0, 22.0];
+    const CYCLE_S: f64 = 16.0;
 
     fn moving() -> Samples {
         samples(6, 5000, |j, t| {
@@ -199,15 +227,29 @@ mod tests {
         })
     }
 
+    /// A motion of two cycles and a half.
+    fn cycling() -> Samples {
+        let w = std::f64::consts::TAU / CYCLE_S;
+        samples(6, 5000, |j, t| {
+            0.7 * (2.0 * w * t + j as f64).sin() + 0.2 * ((3 + j) as f64 * w * t).sin()
+        })
+    }
+
     /// A little of everything that is not a push, and J^T F while `from` <= t < `until` (s).
-    fn left(evidence: &Observed<'_>, [from, until]: [f64; 2]) -> Blocks {
+    fn left(evidence: &Observed<'_>, when: [f64; 2]) -> Blocks {
+        left_at(evidence, &[when])
+    }
+
+    /// The same with several pushes.
+    fn left_at(evidence: &Observed<'_>, pushes: &[[f64; 2]]) -> Blocks {
         let (samples, robot) = (evidence.samples, &evidence.twin.robot);
         let mut q = vec![0.0; 6];
         let mut gap = |j: usize, k: usize| {
             samples.q.sample_into(k, &mut q);
             let jacobian = point_jacobian(robot, &q, 5, &robot.flange.translation);
             let push: f64 = (0..3).map(|axis| jacobian[(axis, j)] * FORCE_N[axis]).sum();
-            let pushed = (from..until).contains(&samples.time(k));
+            let pushed =
+                pushes.iter().any(|[from, until]| (*from..*until).contains(&samples.time(k)));
             0.05 * (7.0 * samples.time(k) + j as f64).sin() + if pushed { push } else { 0.0 }
         };
         let joint = |j: usize| evidence.rows[j].iter().map(|&k| gap(j, k)).collect();
@@ -229,5 +271,21 @@ mod tests {
         for (found, force) in push.force_n.iter().zip(FORCE_N) {
             assert!((found - force).abs() < 2.0, "{push:?}");
         }
+    }
+
+    #[test]
+    fn what_comes_again_with_the_motion_is_no_push() {
+        let (twin, samples) = (Twin::default(), cycling());
+        let floor = noise_floor(&samples, &twin);
+        let evidence = Observed::new(0, &twin, &samples, &floor).unwrap();
+        let every = [0.0, CYCLE_S].map(|later| [3.0 + later, 5.0 + later]);
+        let [free, once, again] =
+            [&[][..], &every[..1], &every].map(|pushes| left_at(&evidence, pushes));
+        let found = episodes((&evidence, &free), (&evidence, &once));
+        assert!(matches!(&found[..], [push] if push.is_push()), "{found:?}");
+        let found = episodes((&evidence, &free), (&evidence, &again));
+        let came =
+            |e: &Episode| !e.is_push() && e.every_s.is_some_and(|s| (s - CYCLE_S).abs() < 0.1);
+        assert!(found.len() == 2 && found.iter().all(came), "{found:?}");
     }
 }

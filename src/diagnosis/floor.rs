@@ -5,12 +5,11 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::local_noise::{band_gain, impulse, local_noise, quiet_times};
-use super::repeats::cycle;
 use crate::robot::{Told, Workspace, mass_matrix};
 use crate::series::JointSeries;
 use crate::signals::{
-    Conditioning, Derivatives, LowPass, Response, Samples, SavitzkyGolay, central_difference,
-    mean_difference, second_difference,
+    Conditioning, Derivatives, LowPass, Response, SAME, Samples, SavitzkyGolay, central_difference,
+    cycle, mean_difference, second_difference,
 };
 use crate::twin::Twin;
 
@@ -59,7 +58,7 @@ pub fn noise_floor(samples: &Samples, twin: &Twin) -> Vec<Floor> {
     }
     let filter = samples.torque_filter().ok().flatten();
     let estimated = estimate(samples, twin, filter.as_ref());
-    let repeated = match cycle(samples) {
+    let repeated = match cycle(samples, SAME) {
         Some(lag) => repeats(samples, twin, filter.as_ref(), lag),
         None => vec![None; samples.joints()],
     };

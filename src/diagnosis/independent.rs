@@ -43,13 +43,26 @@ pub fn independent(fit: &Fit<'_>) -> Vec<f64> {
     shares.map(|(now, counted)| now / counted).collect()
 }
 
-/// Share of each joint's rows that is independent in what model and discrepancy leave.
+/// Share of each joint's rows that is independent in what model and discrepancy leave: neighbours are alike, and so
+/// are cycles of a motion.
 pub fn shares(fit: &Fit<'_>) -> Vec<f64> {
-    let share = |rows: Vec<f64>| match rows.len() {
-        0 => 1.0,
-        n => effective_samples(&rows) / n as f64,
+    let share = |j: usize| match &fit.innovations(j)[..] {
+        [] => 1.0,
+        rows => effective_samples(rows) / rows.len() as f64 * not_again(fit.data, j, rows),
     };
-    (0..fit.data.joints()).map(|j| share(fit.innovations(j))).collect()
+    (0..fit.data.joints()).map(share).collect()
+}
+
+/// Share of a joint's rows, which have these values, that do not come again with the motion.
+fn not_again(data: &Data<'_>, joint: usize, values: &[f64]) -> f64 {
+    let mut rest = values;
+    let mut once = 0.0;
+    for part in &data.parts {
+        let (own, others) = rest.split_at(part.rows[joint].len());
+        once += part.not_again(joint, own);
+        rest = others;
+    }
+    once / values.len() as f64
 }
 
 #[cfg(test)]
@@ -115,5 +128,34 @@ mod tests {
     fn a_discrepancy_stands_beside_slow_noise() {
         let found = sizes(&recorded(NOISE_NM), true).unwrap();
         assert!(found.joints.iter().all(|groups| groups[0] > 0), "{found:?}");
+    }
+
+    /// How many rows count of so many cycles of a motion, where the twin lacks what no law describes.
+    fn counted_of(cycles: usize) -> f64 {
+        const CYCLE: usize = 1600;
+        let twin = Twin::default();
+        let mut made = samples(6, cycles * CYCLE, |j, t| {
+            let w = std::f64::consts::TAU / (CYCLE as f64 * 0.008);
+            0.7 * (2.0 * w * t + j as f64).sin() + 0.4 * ((3 + j) as f64 * w * t).cos()
+        });
+        let torque = twin.torque(&twin.motion(&made));
+        let mut rng = ChaCha8Rng::seed_from_u64(6);
+        made.torque = torque.map_joints(|j, torque| {
+            let mut of = |(t, q): (&f64, &f64)| {
+                let white: f64 = StandardNormal.sample(&mut rng);
+                t + 0.1 * NOISE_NM * white + NOISE_NM * (40.0 * q).sin()
+            };
+            torque.iter().zip(made.q.joint(j)).map(&mut of).collect()
+        });
+        let observed = Observed::new(0, &twin, &made, &noise_floor(&made, &twin)).unwrap();
+        let data = Data::plain(vec![&observed]);
+        let shares = shares(&Fit::plain(&data, Model::of(&twin)));
+        (0..6).map(|j| shares[j] * data.rows(j) as f64).sum()
+    }
+
+    #[test]
+    fn a_motion_that_comes_again_says_the_same_again() {
+        let [one, four] = [1, 4].map(counted_of);
+        assert!((four / one - 1.0).abs() < 0.25, "{one} {four}");
     }
 }

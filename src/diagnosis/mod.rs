@@ -44,7 +44,6 @@ mod ranking;
 mod reasons;
 mod refine;
 mod regimes;
-mod repeats;
 mod revise;
 mod rounds;
 mod screen;

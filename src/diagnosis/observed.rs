@@ -11,7 +11,8 @@ use crate::effects::{Motion, Rigid};
 use crate::regression::Blocks;
 use crate::robot::Robot;
 use crate::series::JointSeries;
-use crate::signals::{Decimator, Samples};
+use crate::signals::{ALIKE, Decimator, Samples, cycle};
+use crate::statistics::{design_effect, pairs};
 use crate::twin::Twin;
 
 /// Fewer rows of a joint say nothing about it: two seconds of sliding at the 20 Hz that a low-pass
@@ -25,6 +26,10 @@ pub struct Observed<'a> {
     pub samples: &'a Samples,
     /// Samples used, joint by joint: sliding, usable, decimated; none where there are too few.
     pub rows: Vec<Vec<usize>>,
+    /// Samples after which the motion comes again.
+    pub cycle: Option<usize>,
+    /// Rows that are a cycle apart, by their places, joint by joint.
+    pub again: Vec<Vec<[usize; 2]>>,
     /// Standard deviation of the noise of `torque`, joint by joint, N.m.
     pub sigma: Vec<f64>,
     /// That over the standard deviation of each row, at most 1 (`smoothing`): rows of torque and of columns are
@@ -73,6 +78,10 @@ impl<'a> Observed<'a> {
             );
             return Err(DiagnosisError::Recording(problem));
         }
+        let cycle = cycle(samples, ALIKE);
+        let every = samples.decimation();
+        let again = |rows| cycle.map_or_else(Vec::new, |lag| pairs(rows, lag, every));
+        let again = rows.iter().map(|rows: &Vec<usize>| again(rows)).collect();
         let known = twin.torque(&twin.motion(samples));
         let missing = missing(samples, twin, &known)?;
         let sure = |j: usize| match &missing {
@@ -88,6 +97,8 @@ impl<'a> Observed<'a> {
             twin,
             samples,
             rows,
+            cycle,
+            again,
             sigma,
             sureness,
             torque,
@@ -113,6 +124,13 @@ impl<'a> Observed<'a> {
 
     pub fn joints(&self) -> usize {
         self.samples.joints()
+    }
+
+    /// How many of a joint's rows say something of their own, where they have these values: what comes again with the
+    /// motion counts once.
+    pub fn not_again(&self, joint: usize, values: &[f64]) -> f64 {
+        let cycles = self.cycle.map_or(1.0, |lag| self.samples.len() as f64 / lag as f64);
+        values.len() as f64 / design_effect(values, &self.again[joint], cycles)
     }
 
     /// The motion, as felt by `robot`.

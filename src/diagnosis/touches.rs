@@ -42,7 +42,7 @@ pub fn touched(
             [&seen[which], &seen[1 - which]],
             [&left[which], &left[1 - which]],
         );
-        for episode in episodes.iter_mut().filter(|e| e.recording == name) {
+        for episode in episodes.iter_mut().filter(|e| e.recording == name && e.every_s.is_none()) {
             let meets = |c: &&Contact| c.start_s <= episode.end && episode.start <= c.end_s;
             let strongest = found.iter().filter(meets).max_by(|a, b| a.peak_n.total_cmp(&b.peak_n));
             episode.touch = strongest.cloned().map(Touch::from);
@@ -111,7 +111,17 @@ mod tests {
     fn stretch(start: f64, end: f64) -> Episode {
         let (recording, joints) = ("check".into(), vec![2, 3]);
         let (peak_nm, force_n, explained) = (20.0, [0.0; 3], 0.0);
-        Episode { recording, start, end, joints, peak_nm, force_n, explained, touch: None }
+        Episode {
+            recording,
+            start,
+            end,
+            joints,
+            peak_nm,
+            force_n,
+            explained,
+            every_s: None,
+            touch: None,
+        }
     }
 
     #[test]

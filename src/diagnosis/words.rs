@@ -2,7 +2,7 @@
 
 use super::{
     Cause, Checked, CrossValidated, Diagnosis, Episode, Position, PositionShrink, Touch,
-    UnexplainedJoint, Value, Verdict,
+    Unexplained, UnexplainedJoint, Value, Verdict,
 };
 use crate::numbers::{digits, rough};
 
@@ -51,9 +51,13 @@ pub fn headline(d: &Diagnosis) -> String {
         Verdict::Unexplained => return unexplained(d),
         Verdict::Explained | Verdict::PartlyExplained => effects_found(d),
     };
-    let goes = match d.causes.iter().any(Cause::shows_in_torque) {
-        true => explained(d),
-        false => uncertain(d),
+    let goes = match (within_most(d), d.causes.iter().any(Cause::shows_in_torque)) {
+        (Some(share), _) => format!(
+            "{} of the gap above the noise goes with links and torque within what they are known to. Besides, t",
+            percent(share)
+        ),
+        (None, true) => explained(d),
+        (None, false) => uncertain(d),
     };
     // The causes that count least wait for the table below.
     let told = |n: usize| format!("{goes}he twin lacks {}.", listed(&found, n));
@@ -89,6 +93,18 @@ fn explained(d: &Diagnosis) -> String {
         }
         None => "The gap is no larger than the noise, and yet it is explained: t".into(),
     }
+}
+
+/// Share of the gap above the noise that links and scales of torque take within what they are known to, where that is
+/// more than what a search explains.
+fn within_most(d: &Diagnosis) -> Option<f64> {
+    let Unexplained { rms_nm, beyond_tolerances_nm, .. } = d.unexplained;
+    let taken = rms_nm.powi(2) - beyond_tolerances_nm?.powi(2);
+    let joints = d.gap.joints.iter();
+    let above = joints.map(|j| j.rms_nm.powi(2) - j.noise_floor_nm.powi(2)).sum::<f64>();
+    let share = taken * d.gap.joints.len() as f64 / above;
+    let explained = d.shrink.torque.above_noise().map_or(0.0, |[share, ..]| share);
+    (above > 0.0 && share > explained).then(|| share.min(1.0))
 }
 
 /// What takes torque off where no named cause does.
@@ -289,6 +305,19 @@ pub fn suspicions(d: &Diagnosis) -> String {
     stretches(d, |e| e.touch.is_none() && e.is_push())
 }
 
+/// Stretches that come again with the motion: what the arm does there, or meets each time.
+pub fn come_again(d: &Diagnosis) -> String {
+    let every = d.episodes.iter().find_map(|e| e.every_s);
+    every.map_or(String::new(), |every_s| {
+        format!(
+            "More is left than anywhere in the other recording, each time the motion comes by ({every_s:.1} s): {}. \
+             That is no push, but a law that shows in this stretch of the motion alone, or something that the arm \
+             meets there.",
+            stretches(d, |e| e.every_s.is_some())
+        )
+    })
+}
+
 /// `12.8 to 13.4 s (check, 41 N at link 5)`, one after the other.
 fn stretches(d: &Diagnosis, which: impl Fn(&&Episode) -> bool) -> String {
     let one = |e: &Episode| {
@@ -423,7 +452,11 @@ pub fn episode(e: &Episode) -> Vec<String> {
         format!("{:.1}", e.peak_nm),
         if e.is_push() { force.join(" ") } else { "-".into() },
         percent(e.explained.max(0.0)),
-        e.touch.as_ref().map_or("-".into(), touch),
+        match (&e.touch, e.every_s) {
+            (Some(t), _) => touch(t),
+            (None, Some(every_s)) => format!("no: every {every_s:.1} s"),
+            (None, None) => "-".into(),
+        },
     ]
 }
 
@@ -437,7 +470,7 @@ fn touch(t: &Touch) -> String {
 /// What that table shows.
 pub const LOUDER: &str = "louder than anything in the other recording; a contact where one force \
                           at the flange explains it, touched where a force that changes with time \
-                          is more probable than none";
+                          is more probable than none, not where it comes again with the motion";
 
 /// Where the motion kinks faster than smoothing at `cutoff_hz` follows: joints, and how many of their rows count little.
 pub fn kinks(at: &[(usize, f64)], cutoff_hz: f64) -> Option<String> {

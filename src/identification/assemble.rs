@@ -14,7 +14,8 @@ use crate::effects::{
 };
 use crate::robot::Robot;
 use crate::series::JointSeries;
-use crate::signals::{LowPass, Rows, Samples};
+use crate::signals::{ALIKE, LowPass, Rows, Samples, cycle};
+use crate::statistics::Cycle;
 use crate::twin::Twin;
 
 /// Builds the problems for the effects in `terms`. What the twin gives values for, and its drive's
@@ -104,7 +105,8 @@ fn assemble_on(
     let motion = Motion { known: Some(&known), ..twin.motion(samples) };
     let laden = &built.laden();
     let size = Size::of(&twin.robot);
-    let assembly = Assembly { samples, twin, terms, built, laden, motion, located, size };
+    let cycle = cycle(samples, ALIKE);
+    let assembly = Assembly { samples, cycle, twin, terms, built, laden, motion, located, size };
     let filter = samples.torque_filter()?;
     let reaching = assembly.reaching()?;
     let mut arm = ArmProblem { joints: vec![], shared: vec![], shared_columns: vec![] };
@@ -182,6 +184,8 @@ pub(super) fn reduce(filter: Option<LowPass>, rows: &Rows) -> Reduce {
 /// What all joints are assembled from.
 struct Assembly<'a> {
     samples: &'a Samples,
+    /// Samples after which the motion comes again.
+    cycle: Option<usize>,
     twin: &'a Twin,
     terms: &'a Terms,
     built: &'a Twin,
@@ -221,10 +225,18 @@ impl Assembly<'_> {
             curve: self.curve(joint, qd, sign, reduce),
             speed: rows.take(qd).iter().map(|w| w.abs()).collect(),
             slots: rows.slots.clone(),
+            cycle: self.cycle(rows),
             dt: self.samples.dt * rows.decimation as f64,
             measured,
             y,
         })
+    }
+
+    /// In slots of these rows.
+    fn cycle(&self, rows: &Rows) -> Option<Cycle> {
+        let lag = self.cycle?;
+        let slots = (lag as f64 / rows.decimation as f64).round() as usize;
+        Some(Cycle { slots, count: self.samples.len() as f64 / lag as f64 })
     }
 
     /// Parameters that enter linearly, and their columns at every sample. Coulomb friction is left

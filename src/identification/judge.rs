@@ -16,7 +16,7 @@ use nalgebra::DMatrix;
 use super::problem::{JointProblem, Parameter};
 use super::{Interval, ParameterEstimate};
 use crate::statistics::{
-    Inference, Inferences, StatisticsError, infer, normal_quantile, normal_two_sided,
+    Cycle, Inference, Inferences, StatisticsError, infer, normal_quantile, normal_two_sided,
 };
 
 /// Confidence level of all intervals and tests: the paper's 99 %.
@@ -42,10 +42,11 @@ pub fn judge(problem: &JointProblem, x: &[f64]) -> Result<Vec<ParameterEstimate>
     }
     let columns = problem.sensitivity(x);
     let residual = problem.residual(x);
-    let estimates = estimate(&parameters, x, &columns, &residual, &problem.slots)?;
+    let JointProblem { slots, cycle, .. } = problem;
+    let estimates = estimate(&parameters, x, &columns, &residual, slots, *cycle)?;
     let excess = match WithExcess::of(problem, x, &columns) {
         Some(w) => Some(
-            estimate(&w.parameters, &w.x, &w.columns, &residual, &problem.slots)?.swap_remove(1),
+            estimate(&w.parameters, &w.x, &w.columns, &residual, slots, *cycle)?.swap_remove(1),
         ),
         None => None,
     };
@@ -90,10 +91,11 @@ pub fn estimate(
     columns: &[Vec<f64>],
     residual: &[f64],
     slots: &[usize],
+    cycle: Option<Cycle>,
 ) -> Result<Vec<ParameterEstimate>, StatisticsError> {
     let jacobian = DMatrix::from_fn(residual.len(), columns.len(), |i, j| columns[j][i]);
     let null = vec![0.0; x.len()];
-    let inferences = infer(x, &null, &jacobian, residual, slots, LEVEL)?;
+    let inferences = infer(x, &null, &jacobian, residual, slots, cycle, LEVEL)?;
     let findings = Findings::of(parameters, x, &inferences);
     let all = parameters.iter().zip(x).enumerate();
     Ok(all.map(|(i, (p, &value))| findings.row(i, p, value, &inferences)).collect())

@@ -26,7 +26,17 @@ fn linear(n: usize, rho: f64, seed: u64) -> JointProblem {
     let y: Vec<f64> =
         slots.iter().map(|&t| 1.5 * w(t).signum() + 0.7 * w(t) + 0.3 * e[t]).collect();
     let speed = slots.iter().map(|&t| w(t).abs()).collect();
-    JointProblem { joint: 1, dt: 0.01, measured: y.clone(), y, columns, curve: None, speed, slots }
+    JointProblem {
+        joint: 1,
+        dt: 0.01,
+        measured: y.clone(),
+        y,
+        columns,
+        curve: None,
+        speed,
+        slots,
+        cycle: None,
+    }
 }
 
 fn quick(draws: usize) -> metropolis::Settings {

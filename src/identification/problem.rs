@@ -16,7 +16,7 @@ use super::Goodness;
 use super::levenberg_marquardt::Residuals;
 use crate::kernels::{axpy, dot, stribeck};
 use crate::regression::bounds::{Bounds, BoundsError};
-use crate::statistics;
+use crate::statistics::{self, Cycle};
 
 /// A parameter that is searched for.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -83,6 +83,8 @@ pub struct JointProblem {
     pub speed: Vec<f64>,
     /// When each sample was taken, in steps of `dt`: masked samples leave gaps.
     pub slots: Vec<usize>,
+    /// Where the motion comes again.
+    pub cycle: Option<Cycle>,
 }
 
 impl Curve {

@@ -20,6 +20,7 @@ use crate::kernels::axpy;
 use crate::regression::bounded;
 use crate::regression::bounds::Bounds;
 use crate::regression::qr::{Qr, unexplained};
+use crate::statistics::Cycle;
 
 /// Rounds of fitting joints and shared parameters in turn.
 const MOST_ROUNDS: usize = 30;
@@ -117,6 +118,7 @@ struct Stack {
     columns: Vec<Vec<f64>>,
     residual: Vec<f64>,
     slots: Vec<usize>,
+    cycle: Option<Cycle>,
 }
 
 /// Tests and intervals of every joint's and the shared parameters together. Joints are taken for
@@ -136,11 +138,12 @@ pub fn judge(
         &plain.columns,
         &plain.residual,
         &plain.slots,
+        plain.cycle,
     )?;
     let curved = problems.iter().any(|p| p.curve.is_some());
     let bent = if curved {
         let (s, _) = stack(problems, arm, found, true);
-        judge::estimate(&s.parameters, &s.x, &s.columns, &s.residual, &s.slots)?
+        judge::estimate(&s.parameters, &s.x, &s.columns, &s.residual, &s.slots, s.cycle)?
     } else {
         Vec::new()
     };
@@ -172,8 +175,15 @@ fn stack(
     excess: bool,
 ) -> (Stack, Vec<Option<usize>>) {
     let rows: usize = problems.iter().map(|p| p.samples()).sum();
-    let mut s =
-        Stack { parameters: vec![], x: vec![], columns: vec![], residual: vec![], slots: vec![] };
+    let mut s = Stack {
+        parameters: vec![],
+        x: vec![],
+        columns: vec![],
+        residual: vec![],
+        slots: vec![],
+        // One recording has one.
+        cycle: problems.iter().find_map(|p| p.cycle),
+    };
     let (shared, shared_x) = readable(arm, &found.shared);
     let mut shared_columns = vec![Vec::with_capacity(rows); shared.len()];
     let mut places = Vec::new();
@@ -218,7 +228,8 @@ impl Stack {
         self.columns.iter_mut().for_each(|c| c.resize(above + residual.len(), 0.0));
         self.residual.extend(residual.iter().map(|r| weight * r));
         // Far enough from the joint before that no correlation is seen between the two.
-        let from = self.slots.last().map_or(0, |last| last + 1000);
+        let apart = 1000 + self.cycle.map_or(0, |cycle| cycle.slots);
+        let from = self.slots.last().map_or(0, |last| last + apart);
         self.slots.extend(slots.iter().map(|s| from + s));
     }
 }

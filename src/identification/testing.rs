@@ -60,6 +60,7 @@ pub fn problem(n: usize, noise: f64, filtered: bool) -> JointProblem {
         columns: columns.collect(),
         speed: reduced(&speed).iter().map(|w| w.abs()).collect(),
         slots: (0..y.len()).collect(),
+        cycle: None,
         measured: y.clone(),
         y,
         curve: Some(Curve {

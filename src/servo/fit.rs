@@ -298,7 +298,7 @@ fn estimates(
         .iter()
         .map(|f| if f.parameter.null.is_finite() { f.parameter.null } else { 0.0 })
         .collect();
-    let found = infer(x, &null, &jacobian, &measured, &problem.slots(), settings.level)?;
+    let found = infer(x, &null, &jacobian, &measured, &problem.slots(), None, settings.level)?;
     let one = |(i, f): (usize, &Free)| {
         let robust = &found.robust[i];
         Estimate {

@@ -87,7 +87,7 @@ mod tests {
             });
             let holds = |error: &[f64]| {
                 let column = DMatrix::from_column_slice(x.len(), 1, &x);
-                let found = infer(&[value], &[0.0], &column, error, &slots, 0.9).unwrap();
+                let found = infer(&[value], &[0.0], &column, error, &slots, None, 0.9).unwrap();
                 usize::from(found.robust[0].low < 0.0 && 0.0 < found.robust[0].high)
             };
             let errors: Vec<f64> = off(value).collect();

@@ -8,6 +8,7 @@
 
 mod channels;
 mod condition;
+mod cycle;
 mod decimator;
 mod derivative;
 mod error;
@@ -20,6 +21,7 @@ mod thin;
 mod tracking;
 
 pub use condition::condition;
+pub use cycle::{ALIKE, SAME, cycle};
 pub use decimator::Decimator;
 pub use derivative::{central_difference, mean_difference, second_difference};
 pub use error::SignalError;

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{
-    Design, LongRun, PValue, StatisticsError, cosine_covariance, model_covariance,
-    normal_two_sided, student_quantile, student_two_sided,
+    Cycle, Design, LongRun, PValue, StatisticsError, cosine_covariance, design_effect,
+    model_covariance, normal_two_sided, pairs, student_quantile, student_two_sided,
 };
 
 /// The paper's multiplier of the standard error for 99 %.
@@ -44,13 +44,15 @@ pub struct Inferences {
 /// Tests `values` (least-squares estimates with prediction Jacobian `jacobian`, rows x parameters,
 /// and `residual` = measured - predicted) against `null`, with intervals at `level` (0.99).
 /// `slots`: integer time of each row, increasing; a step of 1 joins neighbours, a larger one says
-/// that rows between were masked ([`crate::signals::Rows::slots`]).
+/// that rows between were masked ([`crate::signals::Rows::slots`]). What comes again with the motion,
+/// every `cycle`, counts once.
 pub fn infer(
     values: &[f64],
     null: &[f64],
     jacobian: &DMatrix<f64>,
     residual: &[f64],
     slots: &[usize],
+    cycle: Option<Cycle>,
     level: f64,
 ) -> Result<Inferences, StatisticsError> {
     check(values, null, jacobian, residual, slots, level)?;
@@ -70,7 +72,11 @@ pub fn infer(
     let asymptotic = parameters.clone().map(|k| of(k, white(k), dof, t)).collect();
     let paper = parameters.clone().map(|k| of(k, white(k) / n.sqrt(), f64::INFINITY, PAPER_Z));
     let paper = paper.collect();
-    let candidates = robust_covariances(&design, &residual, slots);
+    let times = cycle.map_or(1.0, |cycle| {
+        design_effect(residual.as_slice(), &pairs(slots, cycle.slots, 1), cycle.count)
+    });
+    let candidates = robust_covariances(&design, &residual, slots)
+        .map(|c| LongRun { covariance: c.covariance * times, dof: (c.dof / times).max(1.0) });
     let robust = parameters.map(|k| {
         let by =
             |c: &LongRun| of(k, c.covariance[(k, k)].sqrt(), c.dof, student_quantile(alpha, c.dof));

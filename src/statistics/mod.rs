@@ -14,6 +14,7 @@ mod inference;
 mod kernel;
 mod long_run;
 mod noise;
+mod repeats;
 mod tail;
 mod toeplitz;
 mod whitening;
@@ -29,6 +30,7 @@ pub use inference::{Inference, Inferences, infer};
 pub use kernel::{Bandwidth, Kernel, long_run_covariance};
 pub use long_run::{LongRun, cosine_covariance, model_covariance};
 pub use noise::{noise_from_differences, noise_from_periodogram};
+pub use repeats::{Cycle, design_effect, pairs};
 pub use tail::{PValue, normal_quantile, normal_two_sided, student_quantile, student_two_sided};
 pub use whitening::Whitening;
 

@@ -58,7 +58,8 @@ fn least_squares_covariance_and_tests_repeat_statsmodels() {
     let design = Design::new(&jacobian).unwrap();
     let residual = golden.residual();
     let (beta, zero) = (design.solve(&golden.y), [0.0; 3]);
-    let found = infer(beta.as_slice(), &zero, &jacobian, &residual, &golden.slots(), 0.99).unwrap();
+    let found =
+        infer(beta.as_slice(), &zero, &jacobian, &residual, &golden.slots(), None, 0.99).unwrap();
     let covariance = design.unit_covariance() * found.sigma.powi(2);
     for k in 0..3 {
         close(beta[k], golden.beta[k], 1e-12);
@@ -168,7 +169,7 @@ fn undetermined_directions_are_found_whatever_the_units() {
 
     let slots: Vec<usize> = (0..50).collect();
     let e = normal(50, 3);
-    let found = infer(&[1.0; 4], &[0.0; 4], &jacobian, &e, &slots, 0.99).unwrap();
+    let found = infer(&[1.0; 4], &[0.0; 4], &jacobian, &e, &slots, None, 0.99).unwrap();
     assert!(found.robust[0].low.is_nan() && found.robust[0].p == 1.0);
     assert!(found.robust[2].low < 1.0 && found.robust[2].high > 1.0);
 }
@@ -233,7 +234,7 @@ fn what_cannot_be_inferred_is_refused() {
     let jacobian = DMatrix::from_element(10, 1, 1.0);
     let slots: Vec<usize> = (0..10).collect();
     let refuse = |residual: &[f64], slots: &[usize], level| {
-        infer(&[1.0], &[0.0], &jacobian, residual, slots, level).unwrap_err()
+        infer(&[1.0], &[0.0], &jacobian, residual, slots, None, level).unwrap_err()
     };
     let mut bad = vec![0.1; 10];
     bad[4] = f64::NAN;
@@ -243,7 +244,7 @@ fn what_cannot_be_inferred_is_refused() {
     assert_eq!(refuse(&[0.1; 10], &slots, 1.0), StatisticsError::Level { level: 1.0 });
     assert!(matches!(refuse(&[0.1; 9], &slots, 0.99), StatisticsError::Length { .. }));
     let short = DMatrix::from_element(2, 1, 1.0);
-    let few = infer(&[1.0], &[0.0], &short, &[0.0; 2], &[0, 1], 0.99).unwrap_err();
+    let few = infer(&[1.0], &[0.0], &short, &[0.0; 2], &[0, 1], None, 0.99).unwrap_err();
     assert_eq!(few, StatisticsError::TooFewRows { rows: 2, parameters: 1 });
 }
 
@@ -251,7 +252,7 @@ fn what_cannot_be_inferred_is_refused() {
 fn what_nothing_tells_is_not_determined() {
     let slots: Vec<usize> = (0..40).collect();
     let jacobian = DMatrix::zeros(40, 2);
-    let found = infer(&[1.0, 2.0], &[0.0; 2], &jacobian, &[0.1; 40], &slots, 0.99).unwrap();
+    let found = infer(&[1.0, 2.0], &[0.0; 2], &jacobian, &[0.1; 40], &slots, None, 0.99).unwrap();
     assert_eq!(found.design.rank(), 0);
     assert!(found.robust.iter().all(|r| r.p == 1.0 && r.low.is_nan()));
 }
@@ -260,7 +261,7 @@ fn what_nothing_tells_is_not_determined() {
 fn a_perfect_fit_has_no_spread_and_no_panic() {
     let jacobian = DMatrix::from_fn(40, 2, |i, k| (i as f64).powi(k as i32));
     let slots: Vec<usize> = (0..40).collect();
-    let found = infer(&[1.0, 2.0], &[0.0; 2], &jacobian, &[0.0; 40], &slots, 0.99).unwrap();
+    let found = infer(&[1.0, 2.0], &[0.0; 2], &jacobian, &[0.0; 40], &slots, None, 0.99).unwrap();
     assert!(found.robust[0].high - found.robust[0].low < 1e-100);
     assert_eq!((found.robust[1].p, found.asymptotic[1].p, found.paper[1].p), (0.0, 0.0, 0.0));
 }

@@ -26,6 +26,7 @@ pub fn findings(d: &Diagnosis) -> String {
     text += &titled("How far", &how_far(d));
     text += &titled("What stays", &paragraph("", &words::stays(d)));
     text += &titled("Perhaps a push (not explained by all joints alike)", &words::suspicions(d));
+    text += &titled("Comes again with the motion", &paragraph("", &words::come_again(d)));
     text + &titled("Next experiment", &paragraph("", &d.next_experiment))
 }
 

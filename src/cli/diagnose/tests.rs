@@ -182,6 +182,23 @@ fn what_makes_the_check_recording_worse_explains_nothing() {
     assert!(said.iter().all(|s| s.contains("makes the other worse") && !s.contains("explained")));
 }
 
+/// Most of a gap may be what the twin states within limits; what a search explains comes after it.
+#[test]
+fn what_links_take_within_what_they_are_known_to_comes_first() {
+    let mut within = by_hand();
+    within.shrink.torque.reducible = 0.3;
+    within.unexplained = Unexplained { rms_nm: 2.1, ..unexplained(false) };
+    let first = |d: &Diagnosis| words::headline(d);
+    assert!(first(&within).starts_with("30 % of the gap above the noise is explained"));
+    within.unexplained.beyond_tolerances_nm = Some(0.6);
+    let said = first(&within);
+    assert!(
+        said.starts_with("85 % of the gap above the noise goes with links and torque"),
+        "{said}"
+    );
+    assert!(said.contains("Besides, the twin lacks payload"), "{said}");
+}
+
 /// A lagging velocity takes no torque off: what does is told, and that it is not sure.
 #[test]
 fn torque_is_not_explained_by_a_velocity() {

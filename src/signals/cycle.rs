@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::signals::Samples;
+use super::Samples;
 
 /// Rate of the samples and lags in the coarse search, Hz; motion of an arm is slower than a quarter of this.
 const COARSE_HZ: f64 = 20.0;
@@ -10,13 +10,15 @@ const COARSE_HZ: f64 = 20.0;
 const MOST_LAGS: usize = 1500;
 /// Shorter motions come again by chance (a rest, a single sweep), s.
 const SHORTEST_S: f64 = 1.0;
-/// Position and velocity count as the same up to these shares of their standard deviations.
-const SAME_POSITION: f64 = 0.01;
-const SAME_VELOCITY: f64 = 0.03;
+/// Shares of their standard deviations by which position and velocity of two cycles may differ: what is recorded of the
+/// torque then differs by its noise.
+pub const SAME: [f64; 2] = [0.01, 0.03];
+/// Where they differ by a tenth at most a model lacks much the same in both; how much so, what it leaves has to say.
+pub const ALIKE: [f64; 2] = [0.1, 0.1];
 
-/// The shortest lag (in samples) after which all joints repeat their position and velocity all
+/// The shortest lag (in samples) after which all joints repeat their position and velocity, `within` such shares, all
 /// through the recording, which holds at least two cycles. `None` where nothing repeats.
-pub fn cycle(samples: &Samples) -> Option<usize> {
+pub fn cycle(samples: &Samples, within: [f64; 2]) -> Option<usize> {
     let n = samples.len();
     let shortest = (SHORTEST_S / samples.dt).ceil() as usize;
     let stride = ((1.0 / (COARSE_HZ * samples.dt)) as usize).max(n / 2 / MOST_LAGS).max(1);
@@ -33,11 +35,11 @@ pub fn cycle(samples: &Samples) -> Option<usize> {
         around.min_by(|a, b| sum(a).total_cmp(&sum(b)))
     };
     let same = |lag: &usize| {
-        let [position, velocity] = mismatch(samples, *lag, 1);
-        position < SAME_POSITION && velocity < SAME_VELOCITY
+        let differs = mismatch(samples, *lag, 1);
+        differs.iter().zip(within).all(|(differs, within)| *differs < within)
     };
-    // Between coarse lags lies up to half a stride, so a valley may be ten times too high.
-    let coarse = 10.0 * (SAME_POSITION + SAME_VELOCITY);
+    // Between coarse lags lies up to half a stride, so a valley may be higher by ten times what is the same.
+    let coarse: f64 = within.iter().chain(&[10.0 * SAME[0], 10.0 * SAME[1]]).sum();
     let valleys = (0..lags.len()).filter(|i| valley(i) && far[*i] < coarse);
     valleys.filter_map(refined).find(same)
 }
@@ -90,14 +92,14 @@ mod tests {
 
     #[test]
     fn the_period_of_a_periodic_motion_is_found() {
-        assert_eq!(cycle(&wave(8.0, 0.0)), Some(1000));
-        assert_eq!(cycle(&wave(3.2, 0.0)), Some(400));
+        assert_eq!(cycle(&wave(8.0, 0.0), SAME), Some(1000));
+        assert_eq!(cycle(&wave(3.2, 0.0), SAME), Some(400));
     }
 
     #[test]
     fn what_does_not_come_again_has_no_period() {
-        assert_eq!(cycle(&wave(8.0, 0.31)), None);
-        assert_eq!(cycle(&wave(25.0, 0.0)), None, "less than two cycles");
-        assert_eq!(cycle(&samples(2, 2000, |_, _| 0.3)), None, "nothing moves");
+        assert_eq!(cycle(&wave(8.0, 0.31), SAME), None);
+        assert_eq!(cycle(&wave(25.0, 0.0), SAME), None, "less than two cycles");
+        assert_eq!(cycle(&samples(2, 2000, |_, _| 0.3), SAME), None, "nothing moves");
     }
 }
