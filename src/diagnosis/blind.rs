@@ -184,7 +184,7 @@ mod tests {
         let [every, few] = [1.0, FEW].map(|share| {
             let data =
                 Data::new(vec![&observed], &Settings { mass_error: 0.0, ..Settings::default() });
-            data.counted(vec![share; 6])
+            data.counted(vec![vec![share; 6]])
         });
         let offset = at(JOINT, "current_offset");
         let search =

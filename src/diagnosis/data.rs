@@ -27,8 +27,9 @@ pub struct Data<'a> {
     pub features: Arc<Vec<Features>>,
     /// Torque that is large for a joint, N.m: rated, or else the largest recorded.
     pub rated: Vec<f64>,
-    /// Share of each joint's rows that is independent of the others: every row is scaled by its square root.
-    pub shares: Vec<f64>,
+    /// Share of the rows that is independent of the others, recording by recording and joint by joint: every row is scaled
+    /// by its square root.
+    pub shares: Vec<Vec<f64>>,
     /// What the twin states within limits.
     pub tolerances: Tolerances,
     /// Who may end the work on them.
@@ -59,7 +60,7 @@ impl<'a> Data<'a> {
         let none = || Features::new(Vec::new(), Vec::new(), GROUPS.len());
         let features = Arc::new((0..parts[0].joints()).map(|_| none()).collect());
         let rated = (0..parts[0].joints()).map(|j| rated(&parts, j)).collect();
-        let shares = vec![1.0; parts[0].joints()];
+        let shares = vec![vec![1.0; parts[0].joints()]; parts.len()];
         let (tolerances, kept) = (Tolerances::none(), Kept::default());
         let watch = &();
         Self { twin, parts, features, rated, shares, tolerances, watch, kept }
@@ -81,7 +82,27 @@ impl<'a> Data<'a> {
 
     /// Number of independent rows of a joint, over all recordings.
     pub fn count(&self, j: usize) -> f64 {
-        self.shares[j] * self.rows(j) as f64
+        let parts = self.parts.iter().zip(&self.shares);
+        parts.map(|(p, shares)| shares[j] * p.rows[j].len() as f64).sum()
+    }
+
+    /// Rows of a joint, over all recordings, each scaled by what its recording's share makes of it.
+    fn by_shares(&self, j: usize, rows: &mut [f64], factor: impl Fn(f64) -> f64) {
+        let mut rest = rows;
+        for (part, shares) in self.parts.iter().zip(&self.shares) {
+            let (own, others) = rest.split_at_mut(part.rows[j].len());
+            let by = factor(shares[j]);
+            if by != 1.0 {
+                own.iter_mut().for_each(|r| *r *= by);
+            }
+            rest = others;
+        }
+    }
+
+    /// Rows of a joint as they count -> in full.
+    pub fn in_full(&self, j: usize, mut rows: Vec<f64>) -> Vec<f64> {
+        self.by_shares(j, &mut rows, |share| 1.0 / share.sqrt());
+        rows
     }
 
     /// Smallest variance of what a model leaves of a joint, (N.m)^2.
@@ -103,10 +124,7 @@ impl<'a> Data<'a> {
                     false => rows.resize(rows.len() + part.rows[j].len(), 0.0),
                 }
             }
-            let root = self.shares[j].sqrt();
-            if root != 1.0 {
-                rows.iter_mut().for_each(|r| *r *= root);
-            }
+            self.by_shares(j, &mut rows, f64::sqrt);
             rows
         };
         let rows = Blocks((0..self.joints()).map(joint).collect());
@@ -128,10 +146,13 @@ impl<'a> Data<'a> {
 
     /// These recordings, each row of a joint counted by the share of them that is independent: what a model
     /// leaves is correlated in time, and so many rows say no more than fewer.
-    pub fn counted(self, shares: Vec<f64>) -> Self {
-        let by = self.shares.iter().zip(&shares).map(|(was, now)| (now / was).sqrt());
-        let scaled = |(f, by): (&Features, f64)| f.scaled(by);
-        let features = self.features.iter().zip(by).map(scaled).collect();
+    pub fn counted(self, shares: Vec<Vec<f64>>) -> Self {
+        let scaled = |(j, features): (usize, &Features)| {
+            let parts = self.shares.iter().zip(&shares);
+            let by: Vec<f64> = parts.map(|(was, now)| (now[j] / was[j]).sqrt()).collect();
+            features.scaled(&by)
+        };
+        let features = self.features.iter().enumerate().map(scaled).collect();
         Self { features: Arc::new(features), shares, kept: Kept::default(), ..self }
     }
 

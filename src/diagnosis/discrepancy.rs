@@ -113,7 +113,9 @@ impl<'a> Discrepancy<'a> {
             group.extend(vec![g; made.len()]);
             columns.append(&mut made);
         }
-        let features = Features::over_runs(&columns, group, GROUPS.len(), self.runs(joint));
+        let mut ends = self.parts.iter().map(|p| p.rows[joint].len()).collect::<Vec<_>>();
+        (1..ends.len()).for_each(|p| ends[p] += ends[p - 1]);
+        let features = Features::over_runs(&columns, group, GROUPS.len(), self.runs(joint), &ends);
         largest.into_iter().fold(features, |features, (g, most)| features.bounded(g, most))
     }
 

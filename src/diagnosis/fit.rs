@@ -163,13 +163,9 @@ impl<'a> Fit<'a> {
 
     /// What model and discrepancy leave of a joint, N.m at its rows.
     pub fn innovations(&self, j: usize) -> Vec<f64> {
-        let root = self.data.shares[j].sqrt();
-        let rows = self.system.residual.rows.joint(j).iter().map(|r| r / root);
-        let discrepancy = self.discrepancy(j);
-        match discrepancy.is_empty() {
-            true => rows.collect(),
-            false => rows.zip(discrepancy).map(|(r, d)| r - d).collect(),
-        }
+        let mut rows = self.data.in_full(j, self.system.residual.rows.joint(j).to_vec());
+        rows.iter_mut().zip(self.discrepancy(j)).for_each(|(r, d)| *r -= d);
+        rows
     }
 
     /// The most likely discrepancy of a joint, N.m at its rows; empty where there is none.
@@ -179,10 +175,7 @@ impl<'a> Fit<'a> {
             return Vec::new();
         }
         let taken = self.system.residual.taken(j);
-        let mut sum = features.sum(&metric.coefficients(taken, features.count()), None);
-        let root = self.data.shares[j].sqrt();
-        sum.iter_mut().for_each(|d| *d /= root);
-        sum
+        self.data.in_full(j, features.sum(&metric.coefficients(taken, features.count()), None))
     }
 
     /// The columns of a further candidate, as the rows show them.
@@ -388,7 +381,8 @@ pub fn expected(
         let relative = |j: usize| match column.rows.touches(j) {
             true => {
                 let rows = column.rows.joint(j);
-                let square: f64 = crate::kernels::dot(rows, rows) / data.shares[j];
+                let rows = data.in_full(j, rows.to_vec());
+                let square: f64 = crate::kernels::dot(&rows, &rows);
                 let acting = rows.iter().filter(|v| **v != 0.0).count().max(1) as f64;
                 (square / acting).sqrt() / data.rated[j]
             }

@@ -4,6 +4,7 @@ use super::data::Data;
 use super::fit::Fit;
 use super::likely::INCONSISTENT;
 use super::model::Model;
+use super::observed::Observed;
 use crate::statistics::effective_samples;
 
 /// Confidence level of the intervals.
@@ -31,38 +32,59 @@ pub fn counted<'a>(all_rows: &Data<'a>, model: &Model) -> Data<'a> {
     data
 }
 
-/// Do rows count as much, joint by joint?
-pub fn are_near(shares: &[f64], others: &[f64]) -> bool {
-    shares.iter().zip(others).all(|(a, b)| (a - b).abs() <= INCONSISTENT * b)
+/// Do rows count as much, recording by recording and joint by joint?
+pub fn are_near(shares: &[Vec<f64>], others: &[Vec<f64>]) -> bool {
+    let pairs = shares.iter().flatten().zip(others.iter().flatten());
+    pairs.into_iter().all(|(a, b)| (a - b).abs() <= INCONSISTENT * b)
 }
 
 /// Share of each joint's rows that is independent in what model and discrepancy leave, over that by which
 /// they count already.
 pub fn independent(fit: &Fit<'_>) -> Vec<f64> {
-    let shares = shares(fit).into_iter().zip(&fit.data.shares);
-    shares.map(|(now, counted)| now / counted).collect()
-}
-
-/// Share of each joint's rows that is independent in what model and discrepancy leave: neighbours are alike, and so
-/// are cycles of a motion.
-pub fn shares(fit: &Fit<'_>) -> Vec<f64> {
-    let share = |j: usize| match &fit.innovations(j)[..] {
-        [] => 1.0,
-        rows => effective_samples(rows) / rows.len() as f64 * not_again(fit.data, j, rows),
+    let now = shares(fit);
+    let count = |shares: &[Vec<f64>], j: usize| -> f64 {
+        let parts = fit.data.parts.iter().zip(shares);
+        parts.map(|(p, shares)| shares[j] * p.rows[j].len().max(1) as f64).sum()
     };
-    (0..fit.data.joints()).map(share).collect()
+    (0..fit.data.joints()).map(|j| count(&now, j) / count(&fit.data.shares, j)).collect()
 }
 
-/// Share of a joint's rows, which have these values, that do not come again with the motion.
-fn not_again(data: &Data<'_>, joint: usize, values: &[f64]) -> f64 {
+/// Share of the rows that is independent in what model and discrepancy leave, recording by recording and joint by joint:
+/// neighbours are alike, and so are cycles of a motion.
+pub fn shares(fit: &Fit<'_>) -> Vec<Vec<f64>> {
+    let joint = |j: usize| {
+        let rows = fit.innovations(j);
+        let among =
+            if rows.is_empty() { 1.0 } else { effective_samples(&rows) / rows.len() as f64 };
+        not_again(fit, j, &rows).into_iter().map(|once| among * once).collect()
+    };
+    by_recording((0..fit.data.joints()).map(joint).collect(), fit.data.parts.len())
+}
+
+/// Joint by joint and recording by recording -> the other way round.
+fn by_recording(joints: Vec<Vec<f64>>, recordings: usize) -> Vec<Vec<f64>> {
+    (0..recordings).map(|p| joints.iter().map(|joint| joint[p]).collect()).collect()
+}
+
+/// Share of the rows of a joint in each recording, which have these values, that do not come again with the motion.
+fn not_again(fit: &Fit<'_>, joint: usize, values: &[f64]) -> Vec<f64> {
     let mut rest = values;
-    let mut once = 0.0;
-    for part in &data.parts {
+    let mut of = |part: &&Observed<'_>| {
         let (own, others) = rest.split_at(part.rows[joint].len());
-        once += part.not_again(joint, own);
         rest = others;
-    }
-    once / values.len() as f64
+        if own.is_empty() { 1.0 } else { part.not_again(joint, own) / own.len() as f64 }
+    };
+    fit.data.parts.iter().map(&mut of).collect()
+}
+
+/// A recording of the same arm beside `model`, with noise like that of the recording of `known`: its rows are as dependent
+/// on their neighbours, but its motion comes again by itself.
+pub fn as_dependent<'a>(all_rows: Data<'a>, known: &Fit<'_>, model: &Model) -> Data<'a> {
+    let own = Fit::plain(&all_rows, model.clone());
+    let once = |fit: &Fit<'_>, j: usize| not_again(fit, j, &fit.innovations(j))[0];
+    let share = |j: usize| known.data.shares[0][j] / once(known, j) * once(&own, j);
+    let shares = vec![(0..all_rows.joints()).map(share).collect()];
+    all_rows.counted(shares)
 }
 
 #[cfg(test)]
@@ -73,7 +95,6 @@ mod tests {
 
     use super::*;
     use crate::diagnosis::floor::noise_floor;
-    use crate::diagnosis::observed::Observed;
     use crate::diagnosis::sizes::Sizes;
     use crate::diagnosis::{DiagnosisError, Settings};
     use crate::signals::Samples;
@@ -150,7 +171,7 @@ mod tests {
         let observed = Observed::new(0, &twin, &made, &noise_floor(&made, &twin)).unwrap();
         let data = Data::plain(vec![&observed]);
         let shares = shares(&Fit::plain(&data, Model::of(&twin)));
-        (0..6).map(|j| shares[j] * data.rows(j) as f64).sum()
+        (0..6).map(|j| shares[0][j] * data.rows(j) as f64).sum()
     }
 
     #[test]

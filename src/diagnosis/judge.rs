@@ -67,7 +67,7 @@ impl Judge<'_> {
         let (mut squares, mut off, mut variance) = (0.0, 0.0, 0.0);
         let mut share = [0.0f64; 2];
         for j in moving {
-            let counted = check.shares[j];
+            let counted = check.shares[0][j];
             squares += b[j] / counted;
             off += (b[j] - a[j]) / counted;
             variance += 4.0 * d[j] / (weights[j] * counted.powi(2));

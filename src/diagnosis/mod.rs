@@ -244,13 +244,14 @@ fn once(
     // What acts in one recording alone cannot be proved on another.
     let here: &[usize] = if proof.is_some() { &[] } else { &[0, 1] };
     let (both, alone) = rayon::join(|| search(&both, here), || search(&alone, &[0]));
+    let [all, blind] = [&both, &alone].map(searched::Searched::hypotheses);
+    let [found, found_alone] = [both.found(&all), alone.found(&blind)];
     // The noise is the arm's: a check recording is often too short to tell how much of it is independent.
-    let other = other.counted(alone.data.shares.clone());
+    let other = independent::as_dependent(other, &found_alone.last, &found.last.model);
     let judge = judge::Judge { fit: &alone.data, check: &other, criteria: settings.criteria };
     let floor = floors[1].clone();
-    let [all, blind] = [&both, &alone].map(searched::Searched::hypotheses);
-    let both = (&all, both.found(&all));
-    let alone = (&blind, alone.found(&blind));
+    let both = (&all, found);
+    let alone = (&blind, found_alone);
     let recordings = [&fit, &check];
     let findings = findings::Findings::new(both, alone, judge, recordings, floor, settings, proof)?;
     let mut answer = findings.answer();

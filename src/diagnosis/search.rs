@@ -51,30 +51,67 @@ impl<'a> Found<'a> {
 
 /// Search from what is found to all further causes the evidence supports; so many rounds are told to come after it.
 pub fn grown<'a>(all: &Hypotheses<'a>, found: Found<'a>, after: usize) -> Found<'a> {
-    let Found { start, mut last, mut rounds, screened: mut first } = found;
-    while last.model.causes.len() < all.criteria.most_causes {
+    followed(all, found, after, Way::Only)
+}
+
+/// One of the ways of a search.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    /// It may fork.
+    Only,
+    /// Of a fork, which is asked once, or ways would double. Whoever follows the search is told of the first.
+    First,
+    Second,
+}
+
+/// Round after round. Where one cause for several joints and one for each of them are at hand, a load and what stands in
+/// for it joint by joint, it shows where each way ends which is the better one.
+fn followed<'a>(all: &Hypotheses<'a>, mut found: Found<'a>, after: usize, way: Way) -> Found<'a> {
+    while found.last.model.causes.len() < all.criteria.most_causes {
         // Every round but the last adds a cause.
-        let left = all.criteria.most_causes - last.model.causes.len();
-        tell(all, rounds.len(), left + after);
-        let open = all.open(&last.model);
-        let screened = screen(&last, &open);
-        if rounds.is_empty() {
-            first = screened.iter().map(|s| (s.trial.candidate, s.gain)).collect();
+        let left = all.criteria.most_causes - found.last.model.causes.len();
+        if way != Way::Second {
+            tell(all, found.rounds.len(), left + after);
         }
-        let ranked = all.weigh(&last, screened, WEIGHED);
-        let (round, next) = added(all, &start, &last, &ranked);
-        rounds.push(round);
-        let Some(next) = next else { break };
-        let fresh = next.model.causes[last.model.causes.len()..].iter();
-        let fresh = fresh.map(|t| t.candidate).collect();
-        let revised = revised(all, next, fresh);
-        let same = revised.model.has_causes_of(&last.model);
-        last = revised;
-        if same {
+        let open = all.open(&found.last.model);
+        let screened = screen(&found.last, &open);
+        if found.rounds.is_empty() {
+            found.screened = screened.iter().map(|s| (s.trial.candidate, s.gain)).collect();
+        }
+        let ranked = all.weigh(&found.last, screened, WEIGHED);
+        let choices = choices(all, &found.start, &found.last, &ranked);
+        found.rounds.push(Round { weighed: weighed(&ranked), added: Vec::new() });
+        if let ([one, other], Way::Only) = (&choices[..], way) {
+            let end = |added: &[&Hypothesis<'a>], way| {
+                let (found, grew) = taken(all, found.clone(), added);
+                if grew { followed(all, found, after, way) } else { found }
+            };
+            let (one, other) = rayon::join(|| end(one, Way::First), || end(other, Way::Second));
+            let better = all.worth(&other.last) > all.worth(&one.last);
+            return if better { other } else { one };
+        }
+        let Some(added) = choices.first() else { break };
+        let grew;
+        (found, grew) = taken(all, found, added);
+        if !grew {
             break;
         }
     }
-    Found { start, last, rounds, screened: first }
+    found
+}
+
+/// With these causes added in the last round, all seen together again; do other causes stand now?
+fn taken<'a>(
+    all: &Hypotheses<'a>,
+    mut found: Found<'a>,
+    added: &[&Hypothesis<'a>],
+) -> (Found<'a>, bool) {
+    let names: Vec<Candidate> = added.iter().map(|h| h.candidate()).collect();
+    let last = revised(all, with(all, &found.last, added), names.clone());
+    let grew = !last.model.has_causes_of(&found.last.model);
+    found.rounds.last_mut().into_iter().for_each(|round| round.added.clone_from(&names));
+    found.last = last;
+    (found, grew)
 }
 
 /// Tells who follows how many rounds are done, and how many are left at most.
@@ -82,55 +119,60 @@ pub fn tell(all: &Hypotheses<'_>, done: usize, left: usize) {
     all.data.watch.bound(SEARCHING, done as u64, (done + left) as u64);
 }
 
-/// The best cause that acts on several joints, or the best of every joint where those have more
-/// evidence together: an arm's drives are alike, and lack the same.
-fn added<'a>(
+fn weighed(ranked: &[Hypothesis<'_>]) -> Vec<Weighed> {
+    let one = |h: &Hypothesis<'_>| Weighed {
+        candidate: h.candidate(),
+        nats: h.nats,
+        at_bound: h.at_bound,
+        values: h.fit.values(h.fit.model.causes.len() - 1),
+    };
+    ranked.iter().map(one).collect()
+}
+
+/// What may be added next: the best cause that acts on several joints, or the best of every joint, for an arm's drives are
+/// alike, and lack the same. First what has more evidence in all; none where nothing has enough.
+fn choices<'h, 'a>(
     all: &Hypotheses<'a>,
     start: &Fit<'a>,
     state: &Fit<'a>,
-    ranked: &[Hypothesis<'a>],
-) -> (Round, Option<Fit<'a>>) {
-    let weighed = ranked
-        .iter()
-        .map(|h| Weighed {
-            candidate: h.candidate(),
-            nats: h.nats,
-            at_bound: h.at_bound,
-            values: h.fit.values(h.fit.model.causes.len() - 1),
-        })
-        .collect();
+    ranked: &'h [Hypothesis<'a>],
+) -> Vec<Vec<&'h Hypothesis<'a>>> {
     let enough = |h: &&Hypothesis<'a>| {
         h.at_bound.is_none() && worth(all, start, state, h) > all.criteria.least_nats
     };
     let good: Vec<&Hypothesis<'a>> = ranked.iter().filter(enough).collect();
-    let Some(best) = good.first() else {
-        return (Round { weighed, added: vec![] }, None);
-    };
+    let acts_on_several = |h: &&&Hypothesis<'a>| h.candidate().extent() == Extent::Several;
     let mut singles: Vec<&Hypothesis<'a>> = Vec::new();
-    for h in good.iter().filter(|h| h.candidate().extent() != Extent::Several) {
+    for h in good.iter().filter(|h| !acts_on_several(h)) {
         if !singles.iter().any(|s| s.candidate().extent() == h.candidate().extent()) {
             singles.push(h);
         }
     }
-    // One cause for several joints against one for each: what has more evidence in all.
     let together: f64 = singles.iter().map(|h| h.nats).sum();
-    let several = best.candidate().extent() == Extent::Several && best.nats >= together;
-    let added = if several { vec![*best] } else { singles };
-    let names = added.iter().map(|h| h.candidate()).collect();
-    let next = match added[..] {
-        [only] => only.fit.clone(),
-        _ => {
-            let model = added.iter().fold(state.model.clone(), |m, h| m.with(h.trial.term()));
-            let mut sizes = state.sizes.clone();
-            for h in &added {
-                for j in all.touched(h.candidate()) {
-                    sizes.joints[j].clone_from(&h.fit.sizes.joints[j]);
-                }
-            }
-            all.tuned(Fit::new(all.data, model, sizes), &[])
+    let several = good.first().filter(acts_on_several);
+    let mut choices: Vec<Vec<_>> = several.map(|h| vec![*h]).into_iter().collect();
+    if !singles.is_empty() {
+        choices.push(singles);
+    }
+    if several.is_some_and(|h| h.nats < together) {
+        choices.reverse();
+    }
+    choices
+}
+
+/// The state with these causes.
+fn with<'a>(all: &Hypotheses<'a>, state: &Fit<'a>, added: &[&Hypothesis<'a>]) -> Fit<'a> {
+    if let [only] = added {
+        return only.fit.clone();
+    }
+    let model = added.iter().fold(state.model.clone(), |m, h| m.with(h.trial.term()));
+    let mut sizes = state.sizes.clone();
+    for h in added {
+        for j in all.touched(h.candidate()) {
+            sizes.joints[j].clone_from(&h.fit.sizes.joints[j]);
         }
-    };
-    (Round { weighed, added: names }, Some(next))
+    }
+    all.tuned(Fit::new(all.data, model, sizes), &[])
 }
 
 /// Evidence that a hypothesis adds, as far as it can be trusted beside what was found where it acts.
@@ -138,4 +180,73 @@ fn worth<'a>(all: &Hypotheses<'a>, start: &Fit<'a>, state: &Fit<'a>, h: &Hypothe
     let gained = |j: usize| (state.ln_likelihood(j) - start.ln_likelihood(j)).max(0.0);
     let before: f64 = all.touched(h.candidate()).into_iter().map(gained).sum();
     all.criteria.trusted(before + h.nats) - all.criteria.trusted(before)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::Settings;
+    use crate::diagnosis::candidate::Place;
+    use crate::diagnosis::criteria::Criteria;
+    use crate::diagnosis::data::Data;
+    use crate::diagnosis::floor::noise_floor;
+    use crate::diagnosis::observed::Observed;
+    use crate::effects::find;
+    use crate::signals::Samples;
+    use crate::signals::testing::{noisy, samples};
+    use crate::twin::Twin;
+
+    const OFFSET_NM: f64 = 0.3;
+
+    /// An arm with a load, and offsets at its ends, where a load hardly shows.
+    fn laden(twin: &Twin) -> Samples {
+        let mut arm = twin.clone();
+        arm.effects.push("payload".into());
+        for (name, value) in
+            [("mass", 1.0), ("moment_x", 0.0), ("moment_y", 0.0), ("moment_z", 0.1)]
+        {
+            arm.values.insert(format!("payload_{name}"), vec![value]);
+        }
+        let mut made = samples(6, 4000, |j, t| {
+            0.7 * ((0.9 + 0.2 * j as f64) * t).sin() + 0.4 * (0.6 * t + j as f64).cos()
+        });
+        made.torque = arm.torque(&arm.motion(&made));
+        for j in [0, 5] {
+            made.torque.joint_mut(j).iter_mut().for_each(|t| *t += OFFSET_NM);
+        }
+        noisy(&mut made, 0.3);
+        made
+    }
+
+    /// Offsets and what stands in for the load joint by joint have more evidence together than the load.
+    #[test]
+    fn where_two_ways_lead_tells_which_is_the_better_one() {
+        let twin = Twin::default();
+        let made = laden(&twin);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let settings = Settings { mass_error: 0.0, ..Settings::default() };
+        let data = Data::new(vec![&observed], &settings);
+        let at = |name: &str, place| Candidate::new(find(name).unwrap(), place);
+        let payload = at("payload", Place::Arm);
+        let names = ["current_offset", "torque_constant", "coulomb_asymmetry"];
+        let singles = (0..6).flat_map(|j| names.map(|name| at(name, Place::Joint(j))));
+        let candidates = singles.chain([payload]).collect();
+        let all = Hypotheses { data: &data, candidates, criteria: Criteria::default() };
+        let start = Found::none(&all);
+        let ranked = all.weigh(&start.last, screen(&start.last, &all.candidates), WEIGHED);
+        let choices = choices(&all, &start.start, &start.last, &ranked);
+        let nats: Vec<_> = ranked.iter().map(|h| (h.candidate().name(), h.nats)).collect();
+        assert!(choices.len() == 2, "{nats:?}");
+        let found = grown(&all, start.clone(), 0);
+        assert!(found.last.model.has(payload));
+        let last = found.rounds.last().unwrap();
+        assert!(last.added.is_empty() && found.rounds.len() >= 2);
+        for added in &choices {
+            let forked = Round { weighed: weighed(&ranked), added: Vec::new() };
+            let from = Found { rounds: vec![forked], ..start.clone() };
+            let end = followed(&all, taken(&all, from, added).0, 0, Way::First);
+            assert!(all.worth(&found.last) >= all.worth(&end.last) - 1e-9);
+        }
+    }
 }

@@ -126,6 +126,6 @@ mod tests {
         let both = Searched::new(&all_rows, candidates, criteria);
         assert!(first.model.has(payload) && !first.model.has(offset));
         assert!(both.model.has(payload) && both.model.has(offset));
-        assert!(both.data.shares[0] > first.data.shares[0]);
+        assert!(both.data.shares[0][0] > first.data.shares[0][0]);
     }
 }

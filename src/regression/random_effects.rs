@@ -7,6 +7,7 @@
 //! Woodbury: (1 + D R D')^-1 = 1 - D R^1/2 (1 + R^1/2 D'D R^1/2)^-1 R^1/2 D'.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -51,12 +52,15 @@ pub struct Features {
     columns: Vec<Vec<f64>>,
     /// First row of each run, and the end.
     runs: Vec<usize>,
+    /// First run of each part of the rows, and the end.
+    parts: Vec<usize>,
     /// Group of each feature.
     pub group: Vec<usize>,
     pub groups: usize,
     /// Largest step of every group.
     largest: Vec<u8>,
-    /// D'D
+    /// D'D, part by part and of all.
+    grams: Vec<DMatrix<f64>>,
     gram: DMatrix<f64>,
     known: Mutex<HashMap<Vec<u8>, Arc<JointMetric>>>,
 }
@@ -99,37 +103,53 @@ impl JointMetric {
     }
 }
 
+/// Products of all columns with each other over these runs.
+fn gram(columns: &[Vec<f64>], runs: Range<usize>) -> DMatrix<f64> {
+    let m = columns.len();
+    let views: Vec<&[f64]> = columns.iter().map(|c| &c[runs.clone()]).collect();
+    let mut gram = DMatrix::zeros(m, m);
+    for i in 0..m {
+        for (k, v) in kernels::dots(views[i], &views[..=i]).into_iter().enumerate() {
+            (gram[(i, k)], gram[(k, i)]) = (v, v);
+        }
+    }
+    gram
+}
+
+/// Sum of matrices, each times a factor.
+fn sum(all: &[DMatrix<f64>], factors: &[f64]) -> DMatrix<f64> {
+    let none = all.first().map_or_else(|| DMatrix::zeros(0, 0), |m| m * 0.0);
+    all.iter().zip(factors).fold(none, |sum, (m, by)| sum + m * *by)
+}
+
 impl Features {
     /// `columns` all have one value per row; `group` says which group each belongs to.
     pub fn new(columns: Vec<Vec<f64>>, group: Vec<usize>, groups: usize) -> Self {
         let rows = columns.first().map_or(0, Vec::len);
-        Self::over_runs(&columns, group, groups, (0..=rows).collect())
+        Self::over_runs(&columns, group, groups, (0..=rows).collect(), &[rows])
     }
 
     /// Features with each column constant over runs of rows, at its mean: what is smooth needs no more.
-    /// `runs`: where each begins, and the end.
+    /// `runs`: where each begins, and the end; `ends`: where each part of the rows ends, which no run crosses.
     pub fn over_runs(
         columns: &[Vec<f64>],
         group: Vec<usize>,
         groups: usize,
         runs: Vec<usize>,
+        ends: &[usize],
     ) -> Self {
         let mean = |rows: &[f64]| rows.iter().sum::<f64>() / rows.len().max(1) as f64;
         let coarse = |c: &Vec<f64>| runs.windows(2).map(|run| mean(&c[run[0]..run[1]])).collect();
         let columns: Vec<Vec<f64>> = columns.iter().map(coarse).collect();
-        let m = columns.len();
         let roots = || runs.windows(2).map(|run| ((run[1] - run[0]) as f64).sqrt());
         let rooted = |c: &Vec<f64>| c.iter().zip(roots()).map(|(v, root)| v * root).collect();
         let rooted: Vec<Vec<f64>> = columns.iter().map(rooted).collect();
-        let views: Vec<&[f64]> = rooted.iter().map(Vec::as_slice).collect();
-        let mut gram = DMatrix::zeros(m, m);
-        for i in 0..m {
-            for (k, v) in kernels::dots(&rooted[i], &views[..=i]).into_iter().enumerate() {
-                (gram[(i, k)], gram[(k, i)]) = (v, v);
-            }
-        }
+        let begins = |end: &usize| runs.partition_point(|run| run < end);
+        let parts: Vec<usize> = std::iter::once(0).chain(ends.iter().map(begins)).collect();
+        let grams: Vec<_> = parts.windows(2).map(|part| gram(&rooted, part[0]..part[1])).collect();
         let (largest, known) = (vec![STEPS; groups], Mutex::default());
-        Self { columns, runs, group, groups, largest, gram, known }
+        let gram = sum(&grams, &vec![1.0; grams.len()]);
+        Self { columns, runs, parts, group, groups, largest, grams, gram, known }
     }
 
     /// How many there are.
@@ -148,16 +168,23 @@ impl Features {
         self.largest[g]
     }
 
-    /// Features with all columns times a factor.
-    pub fn scaled(&self, factor: f64) -> Self {
-        let column = |c: &Vec<f64>| c.iter().map(|v| v * factor).collect();
+    /// Features with all columns times a factor of each part of the rows.
+    pub fn scaled(&self, factors: &[f64]) -> Self {
+        let column = |c: &Vec<f64>| -> Vec<f64> {
+            let parts = self.parts.windows(2).zip(factors);
+            parts.flat_map(|(part, by)| c[part[0]..part[1]].iter().map(move |v| v * by)).collect()
+        };
+        let squares: Vec<f64> = factors.iter().map(|by| by * by).collect();
+        let scaled = |(gram, by): (&DMatrix<f64>, &f64)| gram * *by;
         Self {
             columns: self.columns.iter().map(column).collect(),
             runs: self.runs.clone(),
+            parts: self.parts.clone(),
             group: self.group.clone(),
             groups: self.groups,
             largest: self.largest.clone(),
-            gram: &self.gram * (factor * factor),
+            grams: self.grams.iter().zip(&squares).map(scaled).collect(),
+            gram: sum(&self.grams, &squares),
             known: Mutex::default(),
         }
     }
