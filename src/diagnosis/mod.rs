@@ -1,5 +1,6 @@
 //! The sim-to-real gap: where it lies, which effect causes it, how far it shrinks.
 
+mod a_little_off;
 mod answer;
 mod blind;
 mod bootstrap;

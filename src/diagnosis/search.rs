@@ -87,7 +87,10 @@ fn followed<'a>(all: &Hypotheses<'a>, mut found: Found<'a>, after: usize, way: W
                 if grew { followed(all, found, after, way) } else { found }
             };
             let (one, other) = rayon::join(|| end(one, Way::First), || end(other, Way::Second));
-            let better = all.worth(&other.last) > all.worth(&one.last);
+            // As far as evidence can be trusted, as where causes are added.
+            let gained = |f: &Found<'a>| all.worth(&f.last) - all.worth(&f.start);
+            let [gained, others] = [&one, &other].map(|f| all.criteria.trusted(gained(f)));
+            let better = others - gained > all.criteria.least_nats;
             return if better { other } else { one };
         }
         let Some(added) = choices.first() else { break };
@@ -242,11 +245,13 @@ mod tests {
         assert!(found.last.model.has(payload));
         let last = found.rounds.last().unwrap();
         assert!(last.added.is_empty() && found.rounds.len() >= 2);
+        let trusted =
+            |fit: &Fit<'_>| all.criteria.trusted(all.worth(fit) - all.worth(&start.start));
         for added in &choices {
             let forked = Round { weighed: weighed(&ranked), added: Vec::new() };
             let from = Found { rounds: vec![forked], ..start.clone() };
             let end = followed(&all, taken(&all, from, added).0, 0, Way::First);
-            assert!(all.worth(&found.last) >= all.worth(&end.last) - 1e-9);
+            assert!(trusted(&found.last) >= trusted(&end.last) - all.criteria.least_nats);
         }
     }
 }

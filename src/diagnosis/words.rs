@@ -1,8 +1,9 @@
 //! A diagnosis in sentences.
 
+use super::a_little_off::{LittleOff, a_little_off};
 use super::{
     Cause, Checked, CrossValidated, Diagnosis, Episode, Position, PositionShrink, Touch,
-    Unexplained, UnexplainedJoint, Value, Verdict,
+    UnexplainedJoint, Value, Verdict,
 };
 use crate::numbers::{digits, rough};
 
@@ -51,10 +52,13 @@ pub fn headline(d: &Diagnosis) -> String {
         Verdict::Unexplained => return unexplained(d),
         Verdict::Explained | Verdict::PartlyExplained => effects_found(d),
     };
-    let goes = match (within_most(d), d.causes.iter().any(Cause::shows_in_torque)) {
-        (Some(share), _) => format!(
-            "{} of the gap above the noise goes with links and torque within what they are known to. Besides, t",
-            percent(share)
+    let goes = match (a_little_off(d), d.causes.iter().any(Cause::shows_in_torque)) {
+        (Some(LittleOff { share, most }), _) => format!(
+            "{} of the gap above the noise goes with links and torque that are a little off{}. Besides, t",
+            percent(share),
+            most.map_or(String::new(), |(joint, by)| {
+                format!(" (most: torque of joint {joint}, {:+.0} %)", 100.0 * by)
+            })
         ),
         (None, true) => explained(d),
         (None, false) => uncertain(d),
@@ -93,18 +97,6 @@ fn explained(d: &Diagnosis) -> String {
         }
         None => "The gap is no larger than the noise, and yet it is explained: t".into(),
     }
-}
-
-/// Share of the gap above the noise that links and scales of torque take within what they are known to, where that is
-/// more than what a search explains.
-fn within_most(d: &Diagnosis) -> Option<f64> {
-    let Unexplained { rms_nm, beyond_tolerances_nm, .. } = d.unexplained;
-    let taken = rms_nm.powi(2) - beyond_tolerances_nm?.powi(2);
-    let joints = d.gap.joints.iter();
-    let above = joints.map(|j| j.rms_nm.powi(2) - j.noise_floor_nm.powi(2)).sum::<f64>();
-    let share = taken * d.gap.joints.len() as f64 / above;
-    let explained = d.shrink.torque.above_noise().map_or(0.0, |[share, ..]| share);
-    (above > 0.0 && share > explained).then(|| share.min(1.0))
 }
 
 /// What takes torque off where no named cause does.

@@ -84,8 +84,9 @@ pub fn sample(
     let bounds = white.bounds()?;
     let cost = QuadraticCost::new(&white, &bounds);
     let sigma = problem.rms(cost.sum_of_squares(&x)).max(f64::MIN_POSITIVE);
+    let rows = white.samples() as f64 / white.times(&white.residual(&x));
     let Some(coordinates) = Coordinates::new(&cost, &bounds, sigma) else { return Ok(nothing) };
-    let target = Target { problem, cost: &cost, bounds: &bounds, coordinates, watch };
+    let target = Target { problem, rows, cost: &cost, bounds: &bounds, coordinates, watch };
     let mut sampled = target.sample(settings, seed);
     let mut longer = *settings;
     for _ in 0..EXTENSIONS {
@@ -104,6 +105,8 @@ pub fn sample(
 /// What is drawn from: `cost` is of the whitened problem.
 struct Target<'a> {
     problem: &'a JointProblem,
+    /// As many as count: what comes again with the motion counts once.
+    rows: f64,
     cost: &'a QuadraticCost,
     bounds: &'a Bounds,
     coordinates: Coordinates<'a>,
@@ -129,7 +132,7 @@ impl Target<'_> {
         if !self.bounds.contain(&x) {
             return f64::NEG_INFINITY;
         }
-        let half_n = 0.5 * self.problem.samples() as f64;
+        let half_n = 0.5 * self.rows;
         ln_volume - half_n * self.cost.sum_of_squares(&x).max(f64::MIN_POSITIVE).ln()
     }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::*;
 use crate::identification::problem::Parameter;
 use crate::identification::testing::{self, TRUTH};
-use crate::statistics::student_quantile;
+use crate::statistics::{Cycle, student_quantile};
 
 /// y = 1.5 sign + 0.7 w + e with e_t = rho e_{t-1} + white, every sixth stretch of samples masked.
 fn linear(n: usize, rho: f64, seed: u64) -> JointProblem {
@@ -85,6 +85,36 @@ fn intervals_hold_their_level_where_noise_remembers() {
     };
     let covered: usize = (0..150u64).into_par_iter().map(inside).sum();
     assert!(covered >= 291, "{covered} of 300");
+}
+
+/// Three times the same, what the model lacks with it, is known no better than once.
+#[test]
+fn what_comes_again_with_the_motion_counts_once() {
+    const SLOTS: usize = 400;
+    let once = linear(SLOTS, 0.0, 12);
+    let thrice = |rows: &[f64]| rows.repeat(3);
+    let slots = (0..3).flat_map(|k| once.slots.iter().map(move |slot| k * SLOTS + slot));
+    let again = |cycle| JointProblem {
+        measured: thrice(&once.measured),
+        y: thrice(&once.y),
+        columns: once
+            .columns
+            .iter()
+            .map(|c| Column { values: thrice(&c.values), ..c.clone() })
+            .collect(),
+        speed: thrice(&once.speed),
+        slots: slots.clone().collect(),
+        cycle,
+        ..once.clone()
+    };
+    let cycle = Cycle { slots: SLOTS, count: 3.0 };
+    let [one, known, unknown] = [once.clone(), again(Some(cycle)), again(None)].map(|problem| {
+        let p = Posterior::of(&draw(&problem, &quick(2000)).draws[0].1);
+        p.high - p.low
+    });
+    // Whitening chooses its order anew.
+    assert!((known / one - 1.0).abs() < 0.2, "{one} {known}");
+    assert!((unknown * 3f64.sqrt() / one - 1.0).abs() < 0.2, "{one} {unknown}");
 }
 
 #[test]

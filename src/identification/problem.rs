@@ -125,6 +125,11 @@ impl fmt::Debug for Curve {
 /// The parameter vector is `[coulomb, static, columns .., stribeck_velocity]` with a curve, and
 /// `[columns ..]` without.
 impl JointProblem {
+    /// How many times over rows count that leave this residual: once where the motion does not come again.
+    pub fn times(&self, residual: &[f64]) -> f64 {
+        self.cycle.map_or(1.0, |cycle| cycle.times(&self.slots, residual))
+    }
+
     pub fn samples(&self) -> usize {
         self.y.len()
     }

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{
-    Cycle, Design, LongRun, PValue, StatisticsError, cosine_covariance, design_effect,
-    model_covariance, normal_two_sided, pairs, student_quantile, student_two_sided,
+    Cycle, Design, LongRun, PValue, StatisticsError, cosine_covariance, model_covariance,
+    normal_two_sided, student_quantile, student_two_sided,
 };
 
 /// The paper's multiplier of the standard error for 99 %.
@@ -72,9 +72,7 @@ pub fn infer(
     let asymptotic = parameters.clone().map(|k| of(k, white(k), dof, t)).collect();
     let paper = parameters.clone().map(|k| of(k, white(k) / n.sqrt(), f64::INFINITY, PAPER_Z));
     let paper = paper.collect();
-    let times = cycle.map_or(1.0, |cycle| {
-        design_effect(residual.as_slice(), &pairs(slots, cycle.slots, 1), cycle.count)
-    });
+    let times = cycle.map_or(1.0, |cycle| cycle.times(slots, residual.as_slice()));
     let candidates = robust_covariances(&design, &residual, slots)
         .map(|c| LongRun { covariance: c.covariance * times, dof: (c.dof / times).max(1.0) });
     let robust = parameters.map(|k| {

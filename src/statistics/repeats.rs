@@ -13,6 +13,13 @@ pub struct Cycle {
     pub count: f64,
 }
 
+impl Cycle {
+    /// How many times over rows at these slots count that have these values.
+    pub fn times(&self, slots: &[usize], values: &[f64]) -> f64 {
+        design_effect(values, &pairs(slots, self.slots, 1), self.count)
+    }
+}
+
 /// Places in `rows` (sample numbers, rising, `every` of them apart) that are a cycle of `lag` samples apart.
 pub fn pairs(rows: &[usize], lag: usize, every: usize) -> Vec<[usize; 2]> {
     let next = |(i, k): (usize, &usize)| {
