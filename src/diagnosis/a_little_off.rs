@@ -2,6 +2,9 @@
 
 use super::answer::{Diagnosis, Unexplained};
 
+/// Share of a gap that is most of it.
+const MOST: f64 = 0.5;
+
 /// Links and scales of torque, as far as the mended twin has others.
 pub struct LittleOff {
     /// What they take of the gap above the noise, on the check recording.
@@ -10,7 +13,7 @@ pub struct LittleOff {
     pub most: Option<(usize, f64)>,
 }
 
-/// `None` where a search explains more than they take.
+/// `None` where they take less than half of it, or a search explains more.
 pub fn a_little_off(d: &Diagnosis) -> Option<LittleOff> {
     let Unexplained { rms_nm, beyond_tolerances_nm, .. } = d.unexplained;
     let taken = rms_nm.powi(2) - beyond_tolerances_nm?.powi(2);
@@ -18,7 +21,8 @@ pub fn a_little_off(d: &Diagnosis) -> Option<LittleOff> {
     let above = joints.map(|j| j.rms_nm.powi(2) - j.noise_floor_nm.powi(2)).sum::<f64>();
     let share = taken * d.gap.joints.len() as f64 / above;
     let explained = d.shrink.torque.above_noise().map_or(0.0, |[share, ..]| share);
-    (above > 0.0 && share > explained).then(|| LittleOff { share: share.min(1.0), most: most(d) })
+    (above > 0.0 && share > explained.max(MOST))
+        .then(|| LittleOff { share: share.min(1.0), most: most(d) })
 }
 
 /// Of those whose interval excludes that the torque is right.

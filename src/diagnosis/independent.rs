@@ -72,7 +72,7 @@ fn not_again(fit: &Fit<'_>, joint: usize, values: &[f64]) -> Vec<f64> {
     let mut of = |part: &&Observed<'_>| {
         let (own, others) = rest.split_at(part.rows[joint].len());
         rest = others;
-        if own.is_empty() { 1.0 } else { part.not_again(joint, own) / own.len() as f64 }
+        1.0 / part.design_effect(joint, own)
     };
     fit.data.parts.iter().map(&mut of).collect()
 }

@@ -126,11 +126,10 @@ impl<'a> Observed<'a> {
         self.samples.joints()
     }
 
-    /// How many of a joint's rows say something of their own, where they have these values: what comes again with the
-    /// motion counts once.
-    pub fn not_again(&self, joint: usize, values: &[f64]) -> f64 {
+    /// How many times over a joint's rows count that have these values: once where the motion does not come again.
+    pub fn design_effect(&self, joint: usize, values: &[f64]) -> f64 {
         let cycles = self.cycle.map_or(1.0, |lag| self.samples.len() as f64 / lag as f64);
-        values.len() as f64 / design_effect(values, &self.again[joint], cycles)
+        design_effect(values, &self.again[joint], cycles)
     }
 
     /// The motion, as felt by `robot`.

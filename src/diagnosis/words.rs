@@ -299,25 +299,25 @@ pub fn suspicions(d: &Diagnosis) -> String {
 
 /// Stretches that come again with the motion: what the arm does there, or meets each time.
 pub fn come_again(d: &Diagnosis) -> String {
-    let every = d.episodes.iter().find_map(|e| e.every_s);
-    every.map_or(String::new(), |every_s| {
-        format!(
-            "More is left than anywhere in the other recording, each time the motion comes by ({every_s:.1} s): {}. \
-             That is no push, but a law that shows in this stretch of the motion alone, or something that the arm \
-             meets there.",
-            stretches(d, |e| e.every_s.is_some())
-        )
-    })
+    let all = stretches(d, |e| e.every_s.is_some());
+    if all.is_empty() {
+        return all;
+    }
+    format!(
+        "More is left than anywhere in the other recording, each time the motion comes by: {all}. That is no push, but a \
+         law that shows in this stretch of the motion alone, or something that the arm meets there."
+    )
 }
 
-/// `12.8 to 13.4 s (check, 41 N at link 5)`, one after the other.
+/// `12.8 to 13.4 s (check, 41 N at link 5)` or `11.0 to 11.2 s (fit, every 20.0 s)`, one after the other.
 fn stretches(d: &Diagnosis, which: impl Fn(&&Episode) -> bool) -> String {
     let one = |e: &Episode| {
         let Episode { start, end, recording, .. } = e;
         let touch = e.touch.as_ref();
         let touch =
             touch.map_or(String::new(), |t| format!(", {} N at link {}", rough(t.peak_n), t.link));
-        format!("{start:.1} to {end:.1} s ({recording}{touch})")
+        let every = e.every_s.map_or(String::new(), |s| format!(", every {s:.1} s"));
+        format!("{start:.1} to {end:.1} s ({recording}{touch}{every})")
     };
     d.episodes.iter().filter(which).map(one).collect::<Vec<_>>().join(", ")
 }

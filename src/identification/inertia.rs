@@ -234,7 +234,7 @@ fn of_joint(
     let columns = DMatrix::from_iterator(residual.len(), n, seen);
     let least = LEAST_NOISE.powi(2) * dot(&left.measured, &left.measured) / rows;
     let variance = (dot(&residual, &residual) / freedom).max(least).max(f64::MIN_POSITIVE);
-    let weight = effective_samples(&residual) / problem.times(&residual) / rows / variance;
+    let weight = effective_samples(&residual) / problem.design_effect(&residual) / rows / variance;
     let weighted = columns.transpose() * weight;
     Information { gram: &weighted * columns, pull: weighted * DVector::from_vec(y) }
 }

@@ -84,7 +84,7 @@ pub fn sample(
     let bounds = white.bounds()?;
     let cost = QuadraticCost::new(&white, &bounds);
     let sigma = problem.rms(cost.sum_of_squares(&x)).max(f64::MIN_POSITIVE);
-    let rows = white.samples() as f64 / white.times(&white.residual(&x));
+    let rows = white.samples() as f64 / white.design_effect(&white.residual(&x));
     let Some(coordinates) = Coordinates::new(&cost, &bounds, sigma) else { return Ok(nothing) };
     let target = Target { problem, rows, cost: &cost, bounds: &bounds, coordinates, watch };
     let mut sampled = target.sample(settings, seed);

@@ -126,8 +126,8 @@ impl fmt::Debug for Curve {
 /// `[columns ..]` without.
 impl JointProblem {
     /// How many times over rows count that leave this residual: once where the motion does not come again.
-    pub fn times(&self, residual: &[f64]) -> f64 {
-        self.cycle.map_or(1.0, |cycle| cycle.times(&self.slots, residual))
+    pub fn design_effect(&self, residual: &[f64]) -> f64 {
+        self.cycle.map_or(1.0, |cycle| cycle.design_effect(&self.slots, residual))
     }
 
     pub fn samples(&self) -> usize {

@@ -72,7 +72,7 @@ pub fn infer(
     let asymptotic = parameters.clone().map(|k| of(k, white(k), dof, t)).collect();
     let paper = parameters.clone().map(|k| of(k, white(k) / n.sqrt(), f64::INFINITY, PAPER_Z));
     let paper = paper.collect();
-    let times = cycle.map_or(1.0, |cycle| cycle.times(slots, residual.as_slice()));
+    let times = cycle.map_or(1.0, |cycle| cycle.design_effect(slots, residual.as_slice()));
     let candidates = robust_covariances(&design, &residual, slots)
         .map(|c| LongRun { covariance: c.covariance * times, dof: (c.dof / times).max(1.0) });
     let robust = parameters.map(|k| {

@@ -14,8 +14,8 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// How many times over rows at these slots count that have these values.
-    pub fn times(&self, slots: &[usize], values: &[f64]) -> f64 {
+    /// How many times over rows at these slots (rising) count that have these values.
+    pub fn design_effect(&self, slots: &[usize], values: &[f64]) -> f64 {
         design_effect(values, &pairs(slots, self.slots, 1), self.count)
     }
 }

@@ -2,9 +2,10 @@
 
 use super::{brief, causes, page};
 use crate::diagnosis::{
-    Cause, Checked, Criteria, CrossValidated, Dependence, Diagnosis, Gap, JointGap, JointShrink,
-    Named, Position, PositionShrink, Ranked, Regime, Replaced, Shrink, SimulationShrink,
-    TorqueShrink, Unexplained, UnexplainedJoint, Untestable, Value, Verdict, words,
+    Cause, Checked, Criteria, CrossValidated, Dependence, Diagnosis, Episode, Gap, JointGap,
+    JointShrink, Named, Position, PositionShrink, Ranked, Regime, Replaced, Shrink,
+    SimulationShrink, TorqueShrink, Unexplained, UnexplainedJoint, Untestable, Value, Verdict,
+    words,
 };
 
 fn unexplained(above_noise: bool) -> Unexplained {
@@ -180,6 +181,9 @@ fn what_makes_the_check_recording_worse_explains_nothing() {
     );
     assert!(said[1].contains("the gap grows from 3.20 to 9.60 N.m"), "{}", said[1]);
     assert!(said.iter().all(|s| s.contains("makes the other worse") && !s.contains("explained")));
+    worse.unexplained =
+        Unexplained { rms_nm: 2.0, beyond_tolerances_nm: Some(1.5), ..unexplained(false) };
+    assert_eq!(words::headline(&worse), said[0], "links that take a third hide nothing");
 }
 
 /// Most of a gap may be what the twin states within limits; what a search explains comes after it.
@@ -197,6 +201,30 @@ fn what_links_take_within_what_they_are_known_to_comes_first() {
         "{said}"
     );
     assert!(said.contains("Besides, the twin lacks payload"), "{said}");
+}
+
+/// What comes again is told with its own cycle, and is no push.
+#[test]
+fn what_comes_again_with_the_motion_is_told_beside_pushes() {
+    let episode = |recording: &str, every_s| Episode {
+        recording: recording.into(),
+        start: 11.0,
+        end: 11.2,
+        joints: vec![1],
+        peak_nm: 7.0,
+        force_n: [0.0; 3],
+        explained: 0.9,
+        every_s,
+        touch: None,
+    };
+    let episodes =
+        vec![episode("fit", Some(20.0)), episode("check", Some(8.0)), episode("check", None)];
+    let d = Diagnosis { episodes, ..by_hand() };
+    let said = words::come_again(&d);
+    let told = "11.0 to 11.2 s (fit, every 20.0 s), 11.0 to 11.2 s (check, every 8.0 s)";
+    assert!(said.contains(told), "{said}");
+    assert!(brief::findings(&d).contains("Comes again with the motion"));
+    assert_eq!(words::suspicions(&d), "11.0 to 11.2 s (check)");
 }
 
 /// A lagging velocity takes no torque off: what does is told, and that it is not sure.
