@@ -11,6 +11,8 @@ use crate::series::JointSeries;
 
 pub struct EncoderOffset;
 
+/// A joint put together one hole of twelve off stands 0.52 rad off.
+const MOST_RAD: f64 = 0.6;
 /// A smaller offset than this is as good as none, rad.
 const TANGENT_RAD: f64 = 1e-5;
 
@@ -23,8 +25,8 @@ static ABOUT: About = About {
             name: "encoder_offset",
             symbol: "d",
             unit: "rad",
-            min: -0.2,
-            max: 0.2,
+            min: -MOST_RAD,
+            max: MOST_RAD,
             typical: 0.01,
             null: 0.0,
             role: Role::Linear,
@@ -33,8 +35,8 @@ static ABOUT: About = About {
             name: "offset_reference",
             symbol: "d0",
             unit: "rad",
-            min: -0.2,
-            max: 0.2,
+            min: -MOST_RAD,
+            max: MOST_RAD,
             typical: 0.0,
             null: f64::NAN,
             role: Role::Nonlinear,
