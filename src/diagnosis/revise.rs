@@ -62,6 +62,8 @@ fn exchanged<'a>(all: &Hypotheses<'a>, fit: &Fit<'a>, fresh: &[Candidate]) -> Op
         let cause = fit.model.causes[i].candidate;
         let without = refined(all, all.without(fit, i), &slopes, cause.extent());
         let mine = fit.ln_evidence() - without.ln_evidence() - all.ln_rivals();
+        // As rivals are seen: beside what the others may come to without it.
+        let mine = mine.max(all.tried(&without, &fit.sizes, &fit.model.causes[i]).nats);
         if mine < all.criteria.least_nats {
             return Some(without);
         }
@@ -108,6 +110,7 @@ fn refined<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::Settings;
     use crate::diagnosis::candidate::{Place, Term};
     use crate::diagnosis::criteria::Criteria;
     use crate::diagnosis::data::Data;
@@ -115,6 +118,7 @@ mod tests {
     use crate::diagnosis::model::Model;
     use crate::diagnosis::observed::Observed;
     use crate::effects::find;
+    use crate::regression::random_effects::STEPS;
     use crate::signals::testing::{noisy, samples};
     use crate::twin::Twin;
 
@@ -146,5 +150,34 @@ mod tests {
         assert!(!revised.model.has(offset) && revised.model.has(delay));
         let found = revised.values(0)[0];
         assert!((found - late as f64 * made.dt).abs() < 1e-3, "{found} s");
+    }
+
+    /// An offset beside a discrepancy that it does not need: what looks nearly the same is not better for being seen without
+    /// one.
+    #[test]
+    fn a_cause_is_seen_as_its_rivals_are() {
+        const JOINT: usize = 1;
+        let twin = Twin::default();
+        let mut made = samples(6, 3000, |j, t| 0.7 * ((1.1 + 0.2 * j as f64) * t).sin());
+        made.torque = twin.torque(&twin.motion(&made));
+        made.torque.joint_mut(JOINT).iter_mut().for_each(|t| *t += 1.0);
+        noisy(&mut made, 0.3);
+        let floor = noise_floor(&made, &twin);
+        let observed = Observed::new(0, &twin, &made, &floor).unwrap();
+        let exact = Settings { mass_error: 0.0, ..Settings::default() };
+        let data = Data::new(vec![&observed], &exact);
+        let at = |name: &str| Candidate::new(find(name).unwrap(), Place::Joint(JOINT));
+        let [offset, asymmetry] = ["current_offset", "coulomb_asymmetry"].map(at);
+        let (candidates, criteria) = (vec![offset, asymmetry], Criteria::default());
+        let all = Hypotheses { data: &data, candidates, criteria };
+        let model = Model::of(&twin).with(Term::new(offset, vec![]));
+        let mut sizes = data.nothing();
+        sizes.joints[JOINT].fill(STEPS);
+        let fit = Fit::new(&data, model, sizes);
+        let without = all.without(&fit, 0);
+        let as_it_is = fit.ln_evidence() - without.ln_evidence() - all.ln_rivals();
+        let rival = all.rivals(&fit, &without, (offset, f64::INFINITY), WEIGHED).remove(0);
+        assert!(rival.nats > as_it_is + criteria.least_nats, "{} {as_it_is}", rival.nats);
+        assert!(exchanged(&all, &fit, &[offset]).is_none());
     }
 }
