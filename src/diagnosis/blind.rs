@@ -8,6 +8,7 @@ use super::fit::Fit;
 use super::hypotheses::{Hypotheses, Hypothesis, Standing};
 use super::independent::{are_near, counted};
 use super::judge::Gain;
+use super::limits::odds_beyond;
 use super::model::Model;
 use super::ranking::is_equal;
 use super::revise::{pruned, revised};
@@ -61,12 +62,20 @@ impl<'s, 'b> Blind<'s, 'b> {
     pub fn chooses(&self, standing: &Standing<'_>, gain: &Gain) -> bool {
         let cause = standing.cause();
         let own = &self.found.last.model.causes;
+        if standing.beyond && self.places_beyond(cause.candidate()) {
+            return true;
+        }
         let meets = |k: &usize| own[*k].candidate.extent().meets(cause.candidate().extent());
         (0..own.len()).filter(meets).any(|k| {
             is_same(own[k].candidate, cause.candidate())
                 || self.looks_like(standing, &own[k], gain)
                 || self.looks_like(self.standing(k), &cause.trial.term(), gain)
         })
+    }
+
+    /// Does it place a value rather beyond what it is known to than within? It had no choice of what to ask.
+    fn places_beyond(&self, cause: Candidate) -> bool {
+        odds_beyond(&self.found.last, cause).is_some_and(|odds| odds > 0.0)
     }
 
     /// Does `term` look the same as the cause of `standing`, as that search has found it or at these values?

@@ -61,7 +61,8 @@ impl Built {
         built
     }
 
-    /// Torque of the rigid arm with what its causes weigh, as last fitted, at the rows, before sensors, N.m.
+    /// Torque of the rigid arm with what its causes weigh, as last fitted, at the rows, before sensors, N.m: what a joint's scale
+    /// scales. Nothing where a cause is that scale, and what the twin says of it does not hold.
     pub fn carried(&self, observed: &Observed<'_>, model: &Model) -> Blocks {
         let mut sum = observed.rigid_rows().clone();
         let each = model.terms().zip(&self.series).zip(&self.columns);
@@ -73,6 +74,7 @@ impl Built {
                 }
             }
         }
+        model.causes.iter().filter_map(|t| t.candidate.scaled()).for_each(|j| sum.0[j].clear());
         sum
     }
 
@@ -163,6 +165,12 @@ pub fn key(model: &Model, candidate: Candidate, nonlinear: &[f64]) -> String {
 /// Key of those columns of a term that are not held.
 pub fn of_term(model: &Model, term: &Term) -> String {
     format!("term {} {:?}", key(model, term.candidate, &term.nonlinear), term.held)
+}
+
+/// Key of the scales of all joints' torque; `None` where it goes with what causes weigh, another value each time.
+pub fn scales(model: &Model) -> Option<String> {
+    let scaled: Vec<usize> = model.causes.iter().filter_map(|t| t.candidate.scaled()).collect();
+    (!model.terms().any(|t| t.candidate.is_load())).then(|| format!("scales but {scaled:?}"))
 }
 
 fn add(sum: &mut JointSeries, factor: f64, column: &[Vec<f64>]) {

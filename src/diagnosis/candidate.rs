@@ -193,6 +193,14 @@ impl Candidate {
         }
     }
 
+    /// The joint whose scale of torque it is.
+    pub fn scaled(&self) -> Option<usize> {
+        match self.place {
+            Place::Joint(j) if self.name() == "torque_constant" => Some(j),
+            _ => None,
+        }
+    }
+
     /// May it act in this recording?
     pub fn is_in(&self, recording: usize) -> bool {
         self.recording.is_none_or(|r| r == recording)

@@ -169,14 +169,23 @@ impl<'a> Data<'a> {
         self.kept.get(key, || self.fresh(work_out))
     }
 
-    /// Columns of what the twin states within limits, where the rigid arm needs `carried` in each recording.
-    pub fn within_tolerances(&self, carried: impl Fn(usize) -> Blocks) -> Vec<Raw> {
+    /// Columns of what the twin states within limits, where the rigid arm needs `carried` in each recording; those of
+    /// torque are kept where a `key` says what they depend on.
+    pub fn within_tolerances(
+        &self,
+        key: Option<String>,
+        carried: impl Fn(usize) -> Blocks,
+    ) -> Vec<Raw> {
         if self.tolerances.count() == 0 {
             return Vec::new();
         }
         let links = self.kept("tolerances", |p| self.tolerances.of_links(self.parts[p]));
-        let scales = self.fresh(|p| self.tolerances.of_scales(&carried(p)));
-        links.iter().cloned().chain(scales).collect()
+        let of_scales = |p: usize| self.tolerances.of_scales(&carried(p));
+        let scales = match key {
+            Some(key) => self.kept(&key, of_scales),
+            None => Arc::new(self.fresh(of_scales)),
+        };
+        links.iter().chain(&*scales).cloned().collect()
     }
 
     /// No discrepancy anywhere, and a twin that is exact.

@@ -82,7 +82,8 @@ impl<'a> Fit<'a> {
         go_on(data.watch);
         let built: Vec<Built> = data.parts.par_iter().map(|p| Built::new(p, &model)).collect();
         let mut columns = columns(data, &model, &built);
-        let within = data.within_tolerances(|p| built[p].carried(data.parts[p], &model));
+        let key = built::scales(&model);
+        let within = data.within_tolerances(key, |p| built[p].carried(data.parts[p], &model));
         let mut y = recorded(data, &model, &built);
         let tolerances = match &held {
             Some(values) => {

@@ -10,6 +10,7 @@ use super::candidate::{Candidate, Extent, Place, Term, acts_on};
 use super::criteria::Criteria;
 use super::data::Data;
 use super::fit::Fit;
+use super::limits::odds_beyond;
 use super::model::Model;
 use super::refine;
 use super::screen::{Screened, screen};
@@ -46,6 +47,8 @@ pub struct Standing<'a> {
     pub index: usize,
     /// The fit with the other causes alone.
     pub without: Fit<'a>,
+    /// Is the evidence that a value lies beyond its limit? Within it, the value takes up most of what the data show.
+    pub beyond: bool,
 }
 
 impl<'a> Standing<'a> {
@@ -267,14 +270,21 @@ impl<'a> Hypotheses<'a> {
     pub fn standing(&self, last: &Fit<'a>, i: usize) -> Standing<'a> {
         let cause = &last.model.causes[i];
         let without = self.without(last, i);
-        let mine = self.tried(&without, &last.sizes, cause);
+        let mut mine = self.tried(&without, &last.sizes, cause);
+        // What the twin states does not hold: that is enough of a cause where nothing better is at hand.
+        let enough = self.criteria.least_nats;
+        let beyond = mine.nats < enough
+            && odds_beyond(&without, cause.candidate).is_some_and(|odds| odds > enough);
+        if beyond {
+            mine.nats = enough;
+        }
         let mut ranked = self.rivals(last, &without, (cause.candidate, mine.nats), WEIGHED);
         ranked.retain(|other| self.is_instead(last, &mine, other));
         ranked.push(mine);
         ranked.sort_by(|a, b| b.nats.total_cmp(&a.nats));
         let mine = |h: &Hypothesis| h.candidate() == cause.candidate;
         let index = ranked.iter().position(mine).unwrap_or_default();
-        Standing { ranked, index, without }
+        Standing { ranked, index, without, beyond }
     }
 }
 

@@ -12,7 +12,7 @@ use statrs::function::gamma::gamma_lr;
 use super::candidate::{Candidate, Extent, Term};
 use super::fit::Fit;
 use super::independent::{LEVEL, independent};
-use super::{Value, tolerances, windows};
+use super::{Value, built, tolerances, windows};
 use crate::effects::{Effect, Parameter, Ratio, Role, Scope};
 use crate::regression::{Normal, Raw, System};
 use crate::statistics::{normal_quantile, student_quantile};
@@ -153,7 +153,7 @@ fn information(fit: &Fit<'_>, shaped: impl Fn(usize) -> bool) -> (Systems, Place
     let mut priors = fit.system.priors[..terms].to_vec();
     priors.resize(columns.len(), f64::INFINITY);
     let own = columns.len();
-    columns.extend(fit.data.within_tolerances(|p| fit.carried(p)));
+    columns.extend(fit.data.within_tolerances(built::scales(&fit.model), |p| fit.carried(p)));
     columns.extend(of_load(fit));
     let (tolerances, all) = (fit.sizes.tolerances, columns.len());
     let within = |step: u8| {

@@ -7,12 +7,11 @@
 use super::candidate::{Candidate, Place};
 use super::fit::Fit;
 use super::independent::LEVEL;
-use super::sizes::Sizes;
-use super::tolerances::{self, PER_LINK, mass_errors, of_links, of_scales};
+use super::limits::{Off, Stated};
+use super::tolerances::{self, PER_LINK};
 use super::{Cause, Checked, Settings, Value};
 use crate::effects::{Effect, find};
-use crate::regression::bounds::Bounds;
-use crate::regression::{Blocks, Column, Raw};
+use crate::regression::Blocks;
 use crate::statistics::normal_quantile;
 
 /// What the tolerances hold.
@@ -35,42 +34,35 @@ struct Changes {
 
 impl Within {
     /// `None` where the twin is exact.
-    pub fn new(fit: &Fit<'_>, settings: &Settings) -> Option<Self> {
-        let share = tolerances::size(fit.sizes.tolerances);
+    pub fn new(fit: &Fit<'_>) -> Option<Self> {
+        let stated = Stated::new(fit)?;
         let [inertia, gain] = [find("link_inertia")?, find("torque_constant")?];
-        if share == 0.0 {
-            return None;
-        }
-        // They stand for themselves here.
-        let fit = fit.clone().beside(Sizes { tolerances: 0, ..fit.sizes.clone() });
-        let (data, bodies) = (fit.data, &fit.data.twin.robot.bodies);
-        let mut raw = data.fresh(|p| of_links(data.parts[p]).to_vec());
-        raw.extend(data.fresh(|p| of_scales(&fit.carried(p))));
-        let columns = Column::all(&raw, &fit.metric);
-        let links = bodies.iter().flat_map(|b| mass_errors(b, settings));
-        let known: Vec<f64> = links.chain(bodies.iter().map(|_| settings.mass_error)).collect();
-        let last = PER_LINK * bodies.len();
         let z = normal_quantile(1.0 - LEVEL);
+        let value = |effect: &dyn Effect, k: usize, joint: usize, off: &Off| {
+            let p = &effect.about().parameters[k];
+            let (name, unit) = (p.name.into(), p.unit.into());
+            let Off { value, sd, .. } = *off;
+            let [low, high] = [value - z * sd, value + z * sd];
+            Value { name, joint: Some(joint), unit, value, low, high, at_bound: false }
+        };
         let at = |share: f64| {
-            let expected: Vec<f64> = known.iter().map(|sd| share * sd).collect();
-            let projected = fit.system.project(&columns, &expected);
-            let (x, _) = projected.solve(&Bounds::unbounded(columns.len()));
-            let half: Vec<f64> = projected.variances().iter().map(|v| z * v.sqrt()).collect();
-            let value = |effect: &dyn Effect, i: usize, k: usize, joint: usize| {
-                let p = &effect.about().parameters[k];
-                let (name, unit) = (p.name.into(), p.unit.into());
-                let [low, high] = [x[i] - half[i], x[i] + half[i]];
-                Value { name, joint: Some(joint), unit, value: x[i], low, high, at_bound: false }
-            };
-            let of_link = |i: usize| value(inertia, i, i % PER_LINK, i / PER_LINK + 1);
-            let taken = |j: usize| taken_up(&fit, &raw[..last], x.as_slice(), j);
+            let off = stated.off(share);
+            let (links, scales) = off.split_at(PER_LINK * off.len() / (PER_LINK + 1));
+            let of_link =
+                |(i, off): (usize, &Off)| value(inertia, i % PER_LINK, i / PER_LINK + 1, off);
+            let taken = |j: usize| taken_up(&stated, links, j);
             Changes {
-                links: (0..last).map(of_link).collect(),
-                scales: (0..bodies.len()).map(|j| value(gain, last + j, 0, j + 1)).collect(),
-                taken_nm: (0..data.joints()).map(taken).collect(),
+                links: links.iter().enumerate().map(of_link).collect(),
+                scales: scales
+                    .iter()
+                    .enumerate()
+                    .map(|(j, off)| value(gain, 0, j + 1, off))
+                    .collect(),
+                taken_nm: (0..fit.data.joints()).map(taken).collect(),
             }
         };
-        Some(Self { likely: at(share), unsure: at(1.0) })
+        let likely = tolerances::size(fit.sizes.tolerances);
+        Some(Self { likely: at(likely), unsure: at(1.0) })
     }
 
     /// Factors on the torque that was recorded, joint by joint.
@@ -148,11 +140,12 @@ fn adjustment(candidate: Candidate, values: &[Value]) -> Cause {
     }
 }
 
-/// Root mean square of what the changes give at a joint, N.m.
-fn taken_up(fit: &Fit<'_>, columns: &[Raw], x: &[f64], joint: usize) -> f64 {
-    let mut sum = Blocks((0..fit.data.joints()).map(|_| Vec::new()).collect());
-    columns.iter().zip(x).for_each(|(c, x)| sum.gather(*x, &c.rows));
-    (sum.squares()[joint] / fit.data.count(joint).max(1.0)).sqrt()
+/// Root mean square of what the changes of links give at a joint, N.m.
+fn taken_up(stated: &Stated<'_>, links: &[Off], joint: usize) -> f64 {
+    let data = stated.fit.data;
+    let mut sum = Blocks((0..data.joints()).map(|_| Vec::new()).collect());
+    stated.raw.iter().zip(links).for_each(|(c, off)| sum.gather(off.value, &c.rows));
+    (sum.squares()[joint] / data.count(joint).max(1.0)).sqrt()
 }
 
 #[cfg(test)]
@@ -182,7 +175,7 @@ mod tests {
         let plain = Fit::plain(&data, Model::of(&twin));
         let sizes = plain.likely_sizes(&[0, 1, 2, 3, 4, 5]);
         let fit = plain.beside(sizes);
-        with(Within::new(&fit, &settings), &fit, &settings)
+        with(Within::new(&fit), &fit, &settings)
     }
 
     #[test]

@@ -59,7 +59,7 @@ pub fn is_equal(
     let near = |mine: f64, other: f64| mine - other < criteria.margin(mine, exact);
     let as_well = |mine: f64, other: f64| other > 0.0 && near(mine, other);
     let by_all = || as_well(trusted(mine), trusted(h));
-    let by_data = || as_well(standing.shown(mine), standing.shown(h));
+    let by_data = || !standing.beyond && as_well(standing.shown(mine), standing.shown(h));
     !is_mine(standing, h) && h.at_bound.is_none() && (by_all() || by_data())
 }
 

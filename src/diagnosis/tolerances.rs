@@ -73,6 +73,12 @@ impl Tolerances {
         self.scale
     }
 
+    /// Limits of every link's values, kg and kg.m, then of every joint's scale; none where the twin is exact.
+    pub fn limits(&self) -> Vec<f64> {
+        let scales = vec![self.scale; self.links.len() / PER_LINK];
+        self.links.iter().copied().chain(scales).collect()
+    }
+
     /// How many columns they are.
     pub fn count(&self) -> usize {
         if self.links.is_empty() { 0 } else { self.told.ncols() + self.links.len() / PER_LINK }

@@ -90,7 +90,7 @@ impl<'a> Findings<'a> {
 
     pub fn answer(&self) -> Diagnosis {
         let [causes, mut adjustments] = self.causes();
-        let within = Within::new(&self.last, self.settings);
+        let within = Within::new(&self.last);
         let mut notes = self.notes(&adjustments);
         let [mut causes, laws] = match self.equals {
             Some(_) => [causes, Vec::new()],

@@ -5,6 +5,7 @@ use super::{
     Cause, Checked, CrossValidated, Diagnosis, Episode, Position, PositionShrink, Touch,
     UnexplainedJoint, Value, Verdict,
 };
+use crate::effects::{self, Role};
 use crate::numbers::{digits, rough};
 
 /// "joint 2", "joints 1, 3" or "the whole arm"; joints count from 1.
@@ -403,18 +404,23 @@ fn first_value(a: &Cause) -> String {
     format!("{} at {}{value}", a.effect, place(&a.joints))
 }
 
-/// What is told of a cause first: its first value; of many links that of the link that is off the most, as
-/// far as the data tell one, else the value that they tell best.
+/// What is told of a cause first: its first value, where the data tell it, or else the linear value that they tell best; of
+/// many links that of the link that is off the most.
 pub fn foremost(cause: &Cause) -> Option<&Value> {
     let first = cause.parameters.first()?;
-    let own = |v: &&Value| v.name == first.name;
-    if cause.parameters.iter().filter(own).count() < 2 {
+    let parameters = effects::find(&cause.effect).map_or(&[][..], |e| e.about().parameters);
+    let is_linear =
+        |v: &Value| parameters.iter().any(|p| p.name == v.name && p.role == Role::Linear);
+    if !is_linear(first) {
         return Some(first);
     }
-    let told = || cause.parameters.iter().filter(|v| v.low > 0.0 || v.high < 0.0);
-    let largest = told().filter(own).max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
+    let linear = cause.parameters.iter().filter(|v| is_linear(v));
+    let told: Vec<&Value> = linear.filter(|v| v.low > 0.0 || v.high < 0.0).collect();
+    let own = told.iter().filter(|v| v.name == first.name);
+    let largest = own.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
     let sharp = |v: &Value| v.value.abs() / (v.high - v.low);
-    largest.or_else(|| told().max_by(|a, b| sharp(a).total_cmp(&sharp(b))))
+    let best = largest.or_else(|| told.iter().max_by(|a, b| sharp(a).total_cmp(&sharp(b))));
+    Some(best.copied().unwrap_or(first))
 }
 
 /// `link_mass` or, of several joints, `link_mass, joint 2`.
