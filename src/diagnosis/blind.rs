@@ -75,7 +75,8 @@ impl<'s, 'b> Blind<'s, 'b> {
 
     /// Does it place a value rather beyond what it is known to than within? It had no choice of what to ask.
     fn places_beyond(&self, cause: Candidate) -> bool {
-        odds_beyond(&self.found.last, cause).is_some_and(|odds| odds > 0.0)
+        odds_beyond(&self.found.last, cause, self.search.criteria.coverage)
+            .is_some_and(|odds| odds > 0.0)
     }
 
     /// Does `term` look the same as the cause of `standing`, as that search has found it or at these values?

@@ -59,6 +59,9 @@ impl Extent {
     }
 }
 
+/// The effect that a joint's scale of torque is.
+pub const SCALE: &str = "torque_constant";
+
 #[derive(Clone, Copy)]
 pub struct Candidate {
     pub effect: &'static dyn Effect,
@@ -196,7 +199,7 @@ impl Candidate {
     /// The joint whose scale of torque it is.
     pub fn scaled(&self) -> Option<usize> {
         match self.place {
-            Place::Joint(j) if self.name() == "torque_constant" => Some(j),
+            Place::Joint(j) if self.name() == SCALE => Some(j),
             _ => None,
         }
     }

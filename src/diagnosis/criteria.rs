@@ -21,6 +21,9 @@ pub struct Criteria {
     pub least_gain_inexact: f64,
     /// Mean square over that of the noise from which something is left.
     pub above_noise: f64,
+    /// Coverage factor (JCGM 100:2008, GUM, section 6.2): what the twin knows to one standard deviation holds within so
+    /// many of them, the usual 95 %.
+    pub coverage: f64,
     /// Causes looked for, at most: more of them describe rather than explain.
     pub most_causes: usize,
 }
@@ -34,6 +37,7 @@ impl Default for Criteria {
             least_gain: 0.03,
             least_gain_inexact: 0.1,
             above_noise: 1.5,
+            coverage: 2.0,
             most_causes: 10,
         }
     }

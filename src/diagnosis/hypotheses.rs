@@ -143,6 +143,12 @@ impl<'a> Hypotheses<'a> {
         fit.ln_evidence() - fit.model.causes.len() as f64 * self.ln_rivals()
     }
 
+    /// What the causes of a fit are worth beside the twin alone, as far as evidence can be trusted: by this, ends of searches
+    /// are compared.
+    pub fn gained(&self, alone: &Fit<'a>, fit: &Fit<'a>) -> f64 {
+        self.criteria.trusted(self.worth(fit) - self.worth(alone))
+    }
+
     /// What a candidate starts with against it: one among so many.
     pub fn ln_rivals(&self) -> f64 {
         (self.candidates.len().max(1) as f64).ln()
@@ -274,7 +280,8 @@ impl<'a> Hypotheses<'a> {
         // What the twin states does not hold: that is enough of a cause where nothing better is at hand.
         let enough = self.criteria.least_nats;
         let beyond = mine.nats < enough
-            && odds_beyond(&without, cause.candidate).is_some_and(|odds| odds > enough);
+            && odds_beyond(&without, cause.candidate, self.criteria.coverage)
+                .is_some_and(|odds| odds > enough);
         if beyond {
             mine.nats = enough;
         }

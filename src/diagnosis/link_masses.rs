@@ -4,7 +4,7 @@
 //! Beside the causes all links get a change of mass and of first moment, and each joint's torque a factor, each expected
 //! to be as large as its tolerance; the same values act at all joints.
 
-use super::candidate::{Candidate, Place};
+use super::candidate::{Candidate, Place, SCALE};
 use super::fit::Fit;
 use super::independent::LEVEL;
 use super::limits::{Off, Stated};
@@ -36,7 +36,7 @@ impl Within {
     /// `None` where the twin is exact.
     pub fn new(fit: &Fit<'_>) -> Option<Self> {
         let stated = Stated::new(fit)?;
-        let [inertia, gain] = [find("link_inertia")?, find("torque_constant")?];
+        let [inertia, gain] = [find("link_inertia")?, find(SCALE)?];
         let z = normal_quantile(1.0 - LEVEL);
         let value = |effect: &dyn Effect, k: usize, joint: usize, off: &Off| {
             let p = &effect.about().parameters[k];
@@ -46,18 +46,14 @@ impl Within {
             Value { name, joint: Some(joint), unit, value, low, high, at_bound: false }
         };
         let at = |share: f64| {
-            let off = stated.off(share);
-            let (links, scales) = off.split_at(PER_LINK * off.len() / (PER_LINK + 1));
+            let [links, scales] = stated.off(share);
             let of_link =
                 |(i, off): (usize, &Off)| value(inertia, i % PER_LINK, i / PER_LINK + 1, off);
-            let taken = |j: usize| taken_up(&stated, links, j);
+            let of_scale = |(j, off): (usize, &Off)| value(gain, 0, j + 1, off);
+            let taken = |j: usize| taken_up(&stated, &links, j);
             Changes {
                 links: links.iter().enumerate().map(of_link).collect(),
-                scales: scales
-                    .iter()
-                    .enumerate()
-                    .map(|(j, off)| value(gain, 0, j + 1, off))
-                    .collect(),
+                scales: scales.iter().enumerate().map(of_scale).collect(),
                 taken_nm: (0..fit.data.joints()).map(taken).collect(),
             }
         };
@@ -74,7 +70,7 @@ impl Within {
     pub fn adjustments(&self) -> Vec<Cause> {
         let Changes { links, scales, .. } = &self.likely;
         let place = Place::Links(scales.len());
-        let all = [("link_inertia", &links[..]), ("torque_constant", &scales[..])];
+        let all = [("link_inertia", &links[..]), (SCALE, &scales[..])];
         let adjustment = |(name, values): (&str, &[Value])| {
             let effect = find(name)?;
             Some(adjustment(Candidate::new(effect, place), values))

@@ -34,16 +34,17 @@ pub fn with_links<'a>(all: &Hypotheses<'a>, found: &Found<'a>) -> Option<Found<'
         let ranked = all.weigh(state, screen(state, &groups), groups.len());
         ranked.into_iter().next().filter(|h| h.at_bound.is_none())
     };
-    // Beside the loads that stood in for links they earn little: then in their place.
-    let least = all.worth(&found.last) + all.criteria.least_nats;
-    let earns = |h: &Hypothesis<'a>| all.worth(&h.fit) >= least;
+    let gained = |fit: &Fit<'a>| all.gained(&found.start, fit);
+    let least = gained(&found.last) + all.criteria.least_nats;
+    let earns = |h: &Hypothesis<'a>| gained(&h.fit) >= least;
     let best = with_group(&found.last).filter(earns);
+    // Beside the loads that stood in for links they earn little: then in their place.
     let instead = || with_group(&unladen(all, &found.last)?).filter(earns);
     let best = best.or_else(instead)?;
     let group = best.candidate();
     // What stood in for links goes.
     let fit = pruned(all, best.fit, |c| c != group);
-    let better = all.worth(&fit) - all.worth(&found.last) > all.criteria.least_nats;
+    let better = gained(&fit) >= least;
     let i = fit.model.causes.iter().position(|t| t.candidate == group)?;
     let stand = better && !is_impossible(&fit, i);
     let more = stand.then(|| grown(all, Found { last: fit, ..found.clone() }, 0))?;

@@ -87,9 +87,7 @@ fn followed<'a>(all: &Hypotheses<'a>, mut found: Found<'a>, after: usize, way: W
                 if grew { followed(all, found, after, way) } else { found }
             };
             let (one, other) = rayon::join(|| end(one, Way::First), || end(other, Way::Second));
-            // As far as evidence can be trusted, as where causes are added.
-            let gained = |f: &Found<'a>| all.worth(&f.last) - all.worth(&f.start);
-            let [gained, others] = [&one, &other].map(|f| all.criteria.trusted(gained(f)));
+            let [gained, others] = [&one, &other].map(|f| all.gained(&f.start, &f.last));
             let better = others - gained > all.criteria.least_nats;
             return if better { other } else { one };
         }
@@ -245,13 +243,12 @@ mod tests {
         assert!(found.last.model.has(payload));
         let last = found.rounds.last().unwrap();
         assert!(last.added.is_empty() && found.rounds.len() >= 2);
-        let trusted =
-            |fit: &Fit<'_>| all.criteria.trusted(all.worth(fit) - all.worth(&start.start));
+        let gained = |found: &Found<'_>| all.gained(&start.start, &found.last);
         for added in &choices {
             let forked = Round { weighed: weighed(&ranked), added: Vec::new() };
             let from = Found { rounds: vec![forked], ..start.clone() };
             let end = followed(&all, taken(&all, from, added).0, 0, Way::First);
-            assert!(trusted(&found.last) >= trusted(&end.last) - all.criteria.least_nats);
+            assert!(gained(&found) >= gained(&end) - all.criteria.least_nats);
         }
     }
 }
