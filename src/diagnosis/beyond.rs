@@ -1,29 +1,43 @@
 //! What lies beyond the limits that a twin states, as causes: after a search, for little evidence speaks for them in one.
 
-use super::candidate::{Candidate, Term};
+use super::candidate::{Candidate, Place, Term};
 use super::fit::Fit;
 use super::hypotheses::Hypotheses;
 use super::limits::Stated;
+use super::search::Found;
 
-/// The fit with all that is beyond its limit among the causes, the surest first, each given those before it.
-pub fn with_what_is_beyond<'a>(all: &Hypotheses<'a>, mut fit: Fit<'a>) -> Fit<'a> {
+/// What was found, with all that is beyond its limit among the causes, the surest first, each given those before it.
+pub fn with_what_is_beyond<'a>(all: &Hypotheses<'a>, mut found: Found<'a>) -> Found<'a> {
     let mut asked = Vec::new();
-    while let Some(candidate) = surest(all, &fit, &asked) {
-        asked.push(candidate);
-        let starts = candidate.starts(&fit.motion(), fit.data.twin);
-        let Some(start) = starts.into_iter().next() else { continue };
-        let freed = all.tried(&fit, &fit.sizes, &Term::new(candidate, start));
-        if freed.at_bound.is_none() {
-            fit = freed.fit;
+    while let Some(candidate) = surest(all, &found.last, &asked) {
+        match freed(all, &found.last, candidate) {
+            Some(fit) => found.last = fit,
+            None => asked.push(candidate),
         }
     }
-    fit
+    found
+}
+
+/// The fit with a cause at one joint, or at all joints alike where that has more evidence; `None` where either is at a bound.
+fn freed<'a>(all: &Hypotheses<'a>, fit: &Fit<'a>, candidate: Candidate) -> Option<Fit<'a>> {
+    let alike = Candidate { place: Place::Arm, ..candidate };
+    let open = [alike, candidate].into_iter().filter(|c| is_open(all, fit, *c));
+    let tried = open.filter_map(|c| {
+        let start = c.starts(&fit.motion(), fit.data.twin).into_iter().next()?;
+        Some(all.tried(fit, &fit.sizes, &Term::new(c, start)))
+    });
+    let inside = tried.filter(|h| h.at_bound.is_none());
+    inside.max_by(|a, b| a.nats.total_cmp(&b.nats)).map(|h| h.fit)
+}
+
+/// May it be added?
+fn is_open(all: &Hypotheses<'_>, fit: &Fit<'_>, candidate: Candidate) -> bool {
+    all.candidates.contains(&candidate) && !fit.model.has(candidate)
 }
 
 /// What is most surely beyond its limit, and surely enough; not what was `asked` before.
 fn surest(all: &Hypotheses<'_>, fit: &Fit<'_>, asked: &[Candidate]) -> Option<Candidate> {
-    let open =
-        |c: &Candidate| all.candidates.contains(c) && !asked.contains(c) && !fit.model.has(*c);
+    let open = |c: &Candidate| is_open(all, fit, *c) && !asked.contains(c);
     let beyond = Stated::new(fit)?.beyond(all.criteria.coverage)?.into_iter();
     let sure = beyond.filter(|(c, odds)| *odds > all.criteria.least_nats && open(c));
     sure.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(c, _)| c)
@@ -85,6 +99,14 @@ mod tests {
             let gain = &cause.parameters[0];
             assert!(gain.low < off && off < gain.high, "{off}: {gain:?}");
         }
+    }
+
+    #[test]
+    fn drives_that_are_all_off_alike_are_one_cause() {
+        let causes = called([0.0; 6], [0.2, 0.19, 0.21, 0.2, 0.18, 0.22], COVERAGE);
+        let of = |c: &&Cause| c.effect == "torque_constant";
+        let places: Vec<&[usize]> = causes.iter().filter(of).map(|c| &c.joints[..]).collect();
+        assert_eq!(places, [&[] as &[usize]], "{causes:?}");
     }
 
     #[test]

@@ -248,7 +248,7 @@ fn once(
     let here: &[usize] = if proof.is_some() { &[] } else { &[0, 1] };
     let (both, alone) = rayon::join(|| search(&both, here), || search(&alone, &[0]));
     let [all, blind] = [&both, &alone].map(searched::Searched::hypotheses);
-    let [found, found_alone] = [both.all_found(&all), alone.all_found(&blind)];
+    let [found, found_alone] = [both.found(&all), alone.found(&blind)];
     // The noise is the arm's: a check recording is often too short to tell how much of it is independent.
     let other = independent::as_dependent(other, &found_alone.last, &found.last.model);
     let judge = judge::Judge { fit: &alone.data, check: &other, criteria: settings.criteria };

@@ -3,7 +3,6 @@
 //! What the twin leaves without its causes is alike from row to row, so that rows count little and only what is large
 //! is found. Beside that they count more: they are counted again, and the search goes on.
 
-use super::beyond::with_what_is_beyond;
 use super::candidate::Candidate;
 use super::criteria::Criteria;
 use super::data::Data;
@@ -71,14 +70,8 @@ impl<'a> Searched<'a> {
         Hypotheses { data: &self.data, candidates, criteria }
     }
 
-    /// What is found, and what lies beyond the limits of the twin beside that.
-    pub fn all_found<'s>(&'s self, all: &Hypotheses<'s>) -> Found<'s> {
-        let found = self.found(all);
-        Found { last: with_what_is_beyond(all, found.last), ..found }
-    }
-
     /// What is found.
-    fn found<'s>(&'s self, all: &Hypotheses<'s>) -> Found<'s> {
+    pub fn found<'s>(&'s self, all: &Hypotheses<'s>) -> Found<'s> {
         let (rounds, screened) = (self.rounds.clone(), self.screened.clone());
         let none = Found { rounds, screened, ..Found::none(all) };
         if self.model.causes.is_empty() {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::answer::{Replaced, Unexplained};
+use super::beyond::with_what_is_beyond;
 use super::blind::Blind;
 use super::called::{Called, called};
 use super::candidate::{Candidate, Place, Term};
@@ -45,13 +46,18 @@ impl<'a> Findings<'a> {
         proof: Option<&mut Proof<'_>>,
     ) -> Result<Self, DiagnosisError> {
         let lagging = kinematics::lagging(fit, check, settings);
-        let seen = |(alone, found): (Found<'a>, Found<'a>)| {
+        let freed = |(alone, found): (Found<'a>, Found<'a>)| {
+            (with_what_is_beyond(blind, alone), with_what_is_beyond(both, found))
+        };
+        let seen = |searches: (Found<'a>, Found<'a>)| {
+            let (alone, found) = freed(searches);
             let held = HeldOut::new(&alone.last, check);
             let called = called(both, &judge, &found, &Blind::new(blind, &alone));
             (found, held, called)
         };
         let (found, held, called) = match proof {
             Some(proof) => {
+                let (alone, found) = freed((alone, found));
                 let called = proved(both, &judge, [&found, &alone], proof)?;
                 (found, HeldOut::new(&alone.last, check), called)
             }
