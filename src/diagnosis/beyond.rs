@@ -9,19 +9,23 @@ use super::search::Found;
 /// What was found, with all that is beyond its limit among the causes, the surest first, each given those before it.
 pub fn with_what_is_beyond<'a>(all: &Hypotheses<'a>, mut found: Found<'a>) -> Found<'a> {
     let mut asked = Vec::new();
-    while let Some(candidate) = surest(all, &found.last, &asked) {
-        match freed(all, &found.last, candidate) {
+    loop {
+        let beyond = beyond(all, &found.last, &asked);
+        let Some(surest) = beyond.first() else { break };
+        match freed(all, &found.last, &beyond) {
             Some(fit) => found.last = fit,
-            None => asked.push(candidate),
+            None => asked.push(*surest),
         }
     }
     found
 }
 
-/// The fit with a cause at one joint, or at all joints alike where that has more evidence; `None` where either is at a bound.
-fn freed<'a>(all: &Hypotheses<'a>, fit: &Fit<'a>, candidate: Candidate) -> Option<Fit<'a>> {
-    let alike = Candidate { place: Place::Arm, ..candidate };
-    let open = [alike, candidate].into_iter().filter(|c| is_open(all, fit, *c));
+/// The fit with the first of these as a cause or, where there are several, with one for all joints alike if that has more
+/// evidence; `None` where either is at a bound.
+fn freed<'a>(all: &Hypotheses<'a>, fit: &Fit<'a>, beyond: &[Candidate]) -> Option<Fit<'a>> {
+    let surest = *beyond.first()?;
+    let alike = (beyond.len() > 1).then_some(Candidate { place: Place::Arm, ..surest });
+    let open = [Some(surest), alike].into_iter().flatten().filter(|c| is_open(all, fit, *c));
     let tried = open.filter_map(|c| {
         let start = c.starts(&fit.motion(), fit.data.twin).into_iter().next()?;
         Some(all.tried(fit, &fit.sizes, &Term::new(c, start)))
@@ -35,12 +39,14 @@ fn is_open(all: &Hypotheses<'_>, fit: &Fit<'_>, candidate: Candidate) -> bool {
     all.candidates.contains(&candidate) && !fit.model.has(candidate)
 }
 
-/// What is most surely beyond its limit, and surely enough; not what was `asked` before.
-fn surest(all: &Hypotheses<'_>, fit: &Fit<'_>, asked: &[Candidate]) -> Option<Candidate> {
+/// What is surely enough beyond its limit, the surest first; not what was `asked` before.
+fn beyond(all: &Hypotheses<'_>, fit: &Fit<'_>, asked: &[Candidate]) -> Vec<Candidate> {
     let open = |c: &Candidate| is_open(all, fit, *c) && !asked.contains(c);
-    let beyond = Stated::new(fit)?.beyond(all.criteria.coverage)?.into_iter();
-    let sure = beyond.filter(|(c, odds)| *odds > all.criteria.least_nats && open(c));
-    sure.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(c, _)| c)
+    let stated = Stated::new(fit).and_then(|stated| stated.beyond(all.criteria.coverage));
+    let each = stated.into_iter().flatten();
+    let mut sure: Vec<_> = each.filter(|(c, o)| *o > all.criteria.least_nats && open(c)).collect();
+    sure.sort_by(|a, b| b.1.total_cmp(&a.1));
+    sure.into_iter().map(|(c, _)| c).collect()
 }
 
 #[cfg(test)]

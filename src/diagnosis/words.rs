@@ -111,6 +111,10 @@ fn uncertain(d: &Diagnosis) -> String {
             percent(share),
             listed(&names, TOLD)
         ),
+        _ if d.unexplained.above_noise => {
+            let stays = d.unexplained.rms_nm;
+            format!("No effect surely explains the {stays:.2} N.m of torque that stay. Besides, t")
+        }
         _ => "T".into(),
     }
 }

@@ -1,4 +1,5 @@
-//! A cable or hose over the joint: tau = k (q - q0) + h z, z Dahl's hysteresis over the angle.
+//! A cable or hose over the joint, or a spring or gas cylinder that carries the arm there (counterbalance):
+//! tau = k (q - q0) + h z, z Dahl's hysteresis over the angle. It gives the rated torque within a radian at most.
 //!
 //! The rest angle q0 cannot be told from a constant torque.
 
@@ -19,7 +20,7 @@ static ABOUT: About = About {
             symbol: "k",
             unit: "N.m/rad",
             min: 0.0,
-            max: 50.0,
+            max: 150.0,
             typical: 1.0,
             null: 0.0,
             role: Role::Linear,
@@ -57,8 +58,10 @@ static ABOUT: About = About {
     ],
     memory: 1,
     dissipates: false,
-    cause: "cables, hoses and dress packs that bend and rub as the joint turns",
-    remedy: "add a joint spring (MuJoCo stiffness and springref) and dry friction, or reroute the cable",
+    cause: "cables, hoses and dress packs that bend and rub as the joint turns; a spring or gas cylinder that carries the \
+            arm (counterbalance)",
+    remedy: "add a joint spring (MuJoCo stiffness and springref) and dry friction, or reroute the cable; a counterbalance belongs in \
+             the twin",
     source: "hysteresis after Dahl, Aerospace Corp. TOR-0158(3107-18), 1968; spring in series with nothing",
 };
 

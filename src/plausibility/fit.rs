@@ -5,17 +5,19 @@ const SLIDING: f64 = 0.02;
 /// Fewer sliding instants are no motion: all of them are taken.
 const FEWEST_SLIDING: usize = 100;
 /// Columns: direction of motion, velocity, acceleration (rotors that the twin does not know), what the
-/// rigid body needs; then the torque.
+/// rigid body needs, angle (a spring that carries the arm); then the torque.
 const DIRECTION: usize = 0;
 const SPEED: usize = 1;
 const ROTOR: usize = 2;
 const RIGID: usize = 3;
-const TORQUE: usize = 4;
-const COLUMNS: usize = 5;
+const SPRING: usize = 4;
+const TORQUE: usize = 5;
+const COLUMNS: usize = 6;
 /// Share of a column that others must leave of it to count beside them.
 const INDEPENDENT: f64 = 1e-9;
 
-/// torque = slope rigid + rotor acceleration + friction(velocity) + constant, by least squares.
+/// torque = slope rigid + rotor acceleration + friction(velocity) + constant, by least squares; with a spring beside them
+/// where the joint would carry no arm without one (counterbalances outweigh what they carry).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
     /// Torque over what the rigid body needs.
@@ -32,6 +34,7 @@ pub struct Fit {
 
 /// Motion and torque of one joint at the same instants.
 pub struct Joint<'a> {
+    pub q: &'a [f64],
     pub qd: &'a [f64],
     pub qdd: &'a [f64],
     /// What the rigid body needs, N.m.
@@ -45,7 +48,7 @@ pub struct Joint<'a> {
 
 impl Joint<'_> {
     pub fn fit(&self) -> Fit {
-        let Self { qd, qdd, rigid, torque, heavy, most_inertia } = self;
+        let Self { q, qd, qdd, rigid, torque, heavy, most_inertia } = self;
         let slides = |k: &usize| qd[*k].abs() > SLIDING;
         let sliding: Vec<usize> = (0..qd.len()).filter(slides).collect();
         let rows = if sliding.len() < FEWEST_SLIDING { (0..qd.len()).collect() } else { sliding };
@@ -56,6 +59,7 @@ impl Joint<'_> {
             column(&|k| qd[k]),
             column(&|k| qdd[k]),
             column(&|k| rigid[k]),
+            column(&|k| q[k]),
             column(&|k| torque[k]),
         ]);
         // In a swing, acceleration goes as position does, and would take the weight's part.
@@ -65,8 +69,13 @@ impl Joint<'_> {
             true => sums.swept(&[&[ROTOR], which].concat()),
             false => sums.swept(which),
         };
-        let found = swept(&[DIRECTION, SPEED, RIGID]);
-        let (friction, weight) = (swept(&[DIRECTION, SPEED]).left(), swept(&[RIGID]).left());
+        let whole = [DIRECTION, SPEED, RIGID];
+        let (alone, sprung) = (swept(&whole), swept(&[&whole[..], &[SPRING]].concat()));
+        let outweighed = alone.of(RIGID) < 0.0 && sprung.of(RIGID) > 0.0 && sprung.of(SPRING) > 0.0;
+        let spring: &[usize] = if *heavy && outweighed { &[SPRING] } else { &[] };
+        let with = |which: &[usize]| swept(&[which, spring].concat());
+        let found = with(&whole);
+        let (friction, weight) = (with(&[DIRECTION, SPEED]).left(), with(&[RIGID]).left());
         let mean =
             |f: &dyn Fn(usize) -> f64| rows.iter().map(|k| f(*k)).sum::<f64>() / rows.len() as f64;
         let power = found.of(DIRECTION) * mean(&|k| direction(k) * qd[k])

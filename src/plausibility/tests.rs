@@ -18,12 +18,14 @@ struct Truth {
     friction: f64,
     delay_rows: usize,
     offset: f64,
+    /// A spring that carries the arm at joint 2, N.m/rad.
+    spring: f64,
 }
 
 impl Default for Truth {
     fn default() -> Self {
         let robot = Twin::default().robot;
-        Self { robot, gain: 1.0, friction: 1.0, delay_rows: 0, offset: 0.0 }
+        Self { robot, gain: 1.0, friction: 1.0, delay_rows: 0, offset: 0.0, spring: 0.0 }
     }
 }
 
@@ -59,7 +61,8 @@ fn recorded(truth: &Truth) -> Recording {
         let torque = |k: usize| {
             let k = k.saturating_sub(truth.delay_rows);
             let v: f64 = qd.joint(j)[k];
-            rigid.joint(j)[k] + dry * v.signum() + 1.5 * dry * v
+            let spring = if j == 1 { truth.spring * (q.joint(j)[k] + 1.4) } else { 0.0 };
+            rigid.joint(j)[k] + dry * v.signum() + 1.5 * dry * v + spring
         };
         let wobble = |k: usize| 0.02 * ((7 * k + 3 * j) as f64 * 1.7).sin();
         let constant = truth.gain * drive.torque_per_ampere(j.min(5));
@@ -143,6 +146,9 @@ fn whatever_a_diagnosis_is_for_raises_no_doubt() {
         ("smooth", Truth { friction: 0.0, ..Truth::default() }),
         ("late", Truth { delay_rows: 12, ..Truth::default() }),
         ("offset", Truth { offset: 0.2, ..Truth::default() }),
+        ("spring", Truth { spring: 60.0, ..Truth::default() }),
+        ("counterbalance", Truth { spring: 150.0, ..Truth::default() }),
+        ("outweighed", Truth { spring: 400.0, ..Truth::default() }),
     ] {
         let found = held(&recorded(&truth), name != "5 kg");
         assert_eq!(found.doubts, [], "{name}: {:?}", found.slopes);

@@ -21,8 +21,10 @@ const TOLD: f64 = 0.5;
 const GOOD: f64 = 0.8;
 /// ... and leave this much of what is left of it as it stands, at most, ...
 const LEAVES: f64 = 0.1;
-/// ... and of no other column more than this times as much and this share of it.
-const LOSS: (f64, f64) = (1.5, 0.02);
+/// ... of a column that is read otherwise no more than as it stands and this share of it, and of any other one no more than
+/// this times as much.
+const LOSS: f64 = 0.02;
+const TIMES: f64 = 1.5;
 /// Readings explain alike whose logarithms of what is left, summed over columns, differ by less.
 const ALIKE: f64 = 0.5;
 /// Share of a column that signs which cannot be have to explain for it to be contradicted.
@@ -78,9 +80,9 @@ impl Quality {
         self.doubtful() && other.good() && (shrinks || self.contradicted)
     }
 
-    fn harmed_by(self, other: Self) -> bool {
-        let (times, more) = LOSS;
-        1.0 - other.explained > times * (1.0 - self.explained) + more
+    fn harmed_by(self, other: Self, otherwise: bool) -> bool {
+        let times = if otherwise { 1.0 } else { TIMES };
+        1.0 - other.explained > times * (1.0 - self.explained) + LOSS
             || (other.contradicted && !self.contradicted)
     }
 }
@@ -147,8 +149,9 @@ fn reading(body: &Body, motion: &Motion, torque: &JointSeries, as_is: &Explained
         let after = explain(body, motion, torque, &reading).quality(&reading);
         let pairs = || before.iter().zip(&after);
         let mended = pairs().any(|(b, a)| b.mended_by(*a));
-        let harmed = pairs().any(|(b, a)| b.harmed_by(*a));
-        let changed = reading.columns().all(|c| after[c].good());
+        let columns: Vec<usize> = reading.columns().collect();
+        let harmed = pairs().enumerate().any(|(c, (b, a))| b.harmed_by(*a, columns.contains(&c)));
+        let changed = columns.iter().all(|c| after[*c].good());
         let left = after.iter().map(|a| (1.0 - a.explained).max(1e-6).ln()).sum();
         (mended && !harmed && changed).then_some((left, reading))
     };
@@ -171,8 +174,8 @@ fn explain(body: &Body, motion: &Motion, torque: &JointSeries, reading: &Reading
     let most_inertia = robot.mass() * (largest_weight(&robot) / (GRAVITY * robot.mass())).powi(2);
     let fits = (0..robot.dof()).map(|j| {
         let torque = &reading.torque_of(torque, j);
-        let (qd, qdd, rigid) = (qd.joint(j), qdd.joint(j), rigid.joint(j));
-        Joint { qd, qdd, rigid, torque, heavy: heavy[j], most_inertia }.fit()
+        let (q, qd, qdd, rigid) = (q.joint(j), qd.joint(j), qdd.joint(j), rigid.joint(j));
+        Joint { q, qd, qdd, rigid, torque, heavy: heavy[j], most_inertia }.fit()
     });
     Explained { fits: fits.collect(), heavy }
 }

@@ -238,6 +238,13 @@ fn torque_is_not_explained_by_a_velocity() {
     let parts = ["goes with payload, of which none is sure", "the twin lacks velocity_lag"];
     assert!(parts.iter().all(|part| said.contains(part)), "{said}");
     lags.adjustments.clear();
+    lags.unexplained.above_noise = true;
+    let said = words::headline(&lags);
+    assert!(
+        said.starts_with("No effect surely explains the") && said.contains("velocity_lag"),
+        "{said}"
+    );
+    lags.unexplained.above_noise = false;
     assert!(words::headline(&lags).starts_with("The twin lacks velocity_lag"));
 }
 

@@ -90,7 +90,8 @@ const PLAUSIBLE: &[(&str, f64, &str)] = &[
     ("rad", 13.0, "degrees: scale by 0.0174532925"),
     ("rad/s", 20.0, "degrees/s: scale by 0.0174532925"),
     ("A", 100.0, "mA: scale by 0.001"),
-    ("N.m", 5000.0, "N.mm: scale by 0.001"),
+    // Arms that lift a tonne give some 30 000 N.m at the shoulder.
+    ("N.m", 50_000.0, "N.mm: scale by 0.001"),
     ("deg C", 150.0, "kelvin, or tenths of a degree"),
 ];
 
