@@ -4,7 +4,7 @@
 //! Nothing is called wrong for being large. A recording is doubted where another reading of the same
 //! columns (another unit, sign or order, from a short list) explains what this one does not
 //! (`readings`), or where a factor is beyond anything that a load, a gain or another build makes
-//! (`FACTOR`). So friction, loads, delays and offsets, whatever their size, raise no doubt: finding
+//! (`FACTOR`). So friction, loads, counterbalances, delays and offsets, whatever their size, raise no doubt: finding
 //! them is what the rest of the program is for.
 
 mod clock;
