@@ -7,9 +7,11 @@ Links, the cylinder and three recordings of 10 s are theirs; numpy and scipy rea
 (target/release/armtwin).
 """
 import argparse
+import ast
 import itertools
 import json
 import math
+import operator
 import os
 import re
 import subprocess
@@ -36,6 +38,25 @@ joint_torque = { first = 14, count = 6 }
 """
 
 
+OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv, ast.Pow: operator.pow}
+
+
+def arithmetic(text, names):
+    """The value of a formula of theirs: a file from elsewhere is read, never run."""
+    def value(node):
+        match node:
+            case ast.Constant(value=number) if isinstance(number, (int, float)):
+                return number
+            case ast.Name(id=name):
+                return names[name]
+            case ast.UnaryOp(op=ast.USub(), operand=inner):
+                return -value(inner)
+            case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
+                return OPERATORS[type(op)](value(left), value(right))
+        raise KeyError(text)
+    return float(value(ast.parse(text.strip().replace('^', '**'), mode='eval').body))
+
+
 def numbers(text):
     return [float(x) for x in re.findall(r'-?\d+\.?\d*(?:e-?\d+)?', text)]
 
@@ -48,7 +69,7 @@ def links(text):
     for block in re.findall(r'L\(\d\) = Link\((.*?)\);', text, re.S):
         def value(key):
             raw = re.search(rf"'{key}',\s*([^,\n]+(?:/\d+)?)", block).group(1)
-            return float(eval(raw, {'pi': math.pi, **{k: float(v) for k, v in names.items()}}))
+            return arithmetic(raw, {'pi': math.pi, **{k: float(v) for k, v in names.items()}})
         inertia = re.search(r"'I', \[(.*?)\]", block)
         offset = re.search(r"'offset', (-?\d+)\*", block)
         centre = re.search(r"'r', \[(.*?)\]\*", block).group(1)
@@ -125,11 +146,11 @@ def weight_at_zero(all_links, load=None):
 def cylinder(text, angle):
     """N.m of their model of the gas cylinder at joint 2, at angles of its drive."""
     text = re.sub(r'%.*', '', text)
-    names = {}
+    names = {'pi': math.pi}
     for name, raw in re.findall(r'^(\w+) = ([^;]+);', text, re.M):
         try:
-            names[name] = float(eval(raw.replace('^', '**'), {'pi': math.pi}, names))
-        except NameError:
+            names[name] = arithmetic(raw, names)
+        except KeyError:
             break
     far, near = names['D'], names['k']
     delta = angle + ZERO[1] + math.radians(95)

@@ -32,7 +32,7 @@ pub struct Fit {
     pub physical: f64,
 }
 
-/// Motion and torque of one joint at the same instants.
+/// Motion (rad, rad/s, rad/s2) and torque (N.m) of one joint at the same instants.
 pub struct Joint<'a> {
     pub q: &'a [f64],
     pub qd: &'a [f64],

@@ -90,7 +90,7 @@ const PLAUSIBLE: &[(&str, f64, &str)] = &[
     ("rad", 13.0, "degrees: scale by 0.0174532925"),
     ("rad/s", 20.0, "degrees/s: scale by 0.0174532925"),
     ("A", 100.0, "mA: scale by 0.001"),
-    // Arms that lift a tonne give some 30 000 N.m at the shoulder.
+    // A tonne at a reach of 3 m weighs 29 000 N.m.
     ("N.m", 50_000.0, "N.mm: scale by 0.001"),
     ("deg C", 150.0, "kelvin, or tenths of a degree"),
 ];
