@@ -10,7 +10,7 @@ use super::search::Found;
 pub fn with_what_is_beyond<'a>(all: &Hypotheses<'a>, mut found: Found<'a>) -> Found<'a> {
     let mut asked = Vec::new();
     loop {
-        let beyond = beyond(all, &found.last, &asked);
+        let beyond = surely_beyond(all, &found.last, &asked);
         let Some(surest) = beyond.first() else { break };
         match freed(all, &found.last, &beyond) {
             Some(fit) => found.last = fit,
@@ -40,7 +40,7 @@ fn is_open(all: &Hypotheses<'_>, fit: &Fit<'_>, candidate: Candidate) -> bool {
 }
 
 /// What is surely enough beyond its limit, the surest first; not what was `asked` before.
-fn beyond(all: &Hypotheses<'_>, fit: &Fit<'_>, asked: &[Candidate]) -> Vec<Candidate> {
+fn surely_beyond(all: &Hypotheses<'_>, fit: &Fit<'_>, asked: &[Candidate]) -> Vec<Candidate> {
     let open = |c: &Candidate| is_open(all, fit, *c) && !asked.contains(c);
     let stated = Stated::new(fit).and_then(|stated| stated.beyond(all.criteria.coverage));
     let each = stated.into_iter().flatten();

@@ -143,7 +143,7 @@ impl<'a> Hypotheses<'a> {
         fit.ln_evidence() - fit.model.causes.len() as f64 * self.ln_rivals()
     }
 
-    /// What the causes of a fit are worth beside the twin alone, as far as evidence can be trusted: by this, ends of searches
+    /// What the causes of a fit are worth beside the twin alone, nats, as far as evidence can be trusted: by this, ends of searches
     /// are compared.
     pub fn gained(&self, alone: &Fit<'a>, fit: &Fit<'a>) -> f64 {
         self.criteria.trusted(self.worth(fit) - self.worth(alone))
